@@ -1,0 +1,16 @@
+# Each command does all of its own set-up on a machine with Python 3.11.
+.PHONY: demo test clean
+
+PYTHON_ENV := .venv/bin
+
+demo: .venv/ready  ## three small apartments, from plan to segmented rooms, and a report
+	$(PYTHON_ENV)/roomseg demo -o out/demo
+
+test: .venv/ready  ## lint, types, tests and a wheel
+	./check.sh
+
+.venv/ready: setup.sh pyproject.toml constraints.txt
+	./setup.sh
+
+clean:
+	rm -rf .venv dist build out

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# Everything that must hold before a change lands: lint, types, tests, and a wheel that builds.
+set -euo pipefail
+cd "$(dirname "$0")"
+export PATH="$PWD/.venv/bin:$PATH"
+
+ruff format --check .
+ruff check .
+mypy
+python -m build --wheel --outdir "$(mktemp -d)" >/dev/null
+pytest -q -n 2 "$@"

@@ -1,0 +1,124 @@
+"""The equidistant fisheye camera of §3.1, as one object for every stage.
+
+The camera looks straight up from the middle of the robot. In the equidistant
+projection a ray at the angle ``zenith`` from the optical axis falls at the
+radius ``zenith / (field_of_view / 2) * disc_radius`` from the disc centre.
+Rendering, unfolding and the lintel search all take their pixels from here, so
+that a smaller preview disc scales everything together.
+
+Frames and pixels: azimuth is counted counter-clockwise from the robot's
+heading, as seen from above. Image rows run down and columns run right; pixel
+(r, c) has its centre at (r + 0.5, c + 0.5). The heading points to the right
+of the image (+column). The camera looks *up*, so the scene is mirrored: what
+is left of the robot (azimuth +90°) appears at the *bottom* (+row).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FisheyeCamera", "SIMULATED_CAMERA"]
+
+
+@dataclass(frozen=True)
+class FisheyeCamera:
+    """An upward equidistant fisheye camera.
+
+    Attributes
+    ----------
+    field_of_view : float
+        Full opening angle of the image disc, rad.
+    disc_diameter : float
+        Diameter of the image disc, px.
+    image_size : tuple of int
+        (rows, columns), px.
+    disc_centre : tuple of float
+        (row, column) of the optical axis, px; integer + 0.5 is a pixel centre.
+    height : float
+        Height of the lens above the floor, m.
+    """
+
+    field_of_view: float = float(np.radians(190.0))
+    disc_diameter: float = 464.0
+    image_size: tuple[int, int] = (464, 464)
+    disc_centre: tuple[float, float] = (232.0, 232.0)
+    height: float = 0.10
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.field_of_view <= 2.0 * np.pi:
+            raise ValueError(f"field_of_view: {self.field_of_view}, expected 0 < rad <= 2 pi")
+        if not self.disc_diameter > 0.0:
+            raise ValueError(f"disc_diameter: {self.disc_diameter}, expected > 0 px")
+        if min(self.image_size) < 1:
+            raise ValueError(f"image_size: {self.image_size}, expected at least (1, 1) px")
+        if not self.height > 0.0:
+            raise ValueError(f"height: {self.height}, expected > 0 m")
+
+    @property
+    def pixels_per_radian(self) -> float:
+        """Radius on the image per zenith angle, px/rad."""
+        return self.disc_diameter / self.field_of_view
+
+    def resized(self, disc_diameter: int) -> FisheyeCamera:
+        """The same lens with another, tightly cropped disc of that many pixels."""
+        size = int(disc_diameter)
+        return FisheyeCamera(
+            self.field_of_view, float(size), (size, size), (size / 2, size / 2), self.height
+        )
+
+    def project(
+        self, azimuth: NDArray[np.float64], zenith: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Image points of rays.
+
+        Parameters
+        ----------
+        azimuth, zenith : array, shape (...)
+            rad; azimuth from the heading, zenith from the optical axis.
+
+        Returns
+        -------
+        array, shape (..., 2)
+            (row, column), px.
+        """
+        radius = np.asarray(zenith) * self.pixels_per_radian
+        row = self.disc_centre[0] + radius * np.sin(azimuth)
+        column = self.disc_centre[1] + radius * np.cos(azimuth)
+        return np.stack([row, column], axis=-1)
+
+    def unproject(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Azimuth and zenith (rad) of image points (..., 2) in (row, column), px."""
+        offset = np.asarray(points, dtype=float) - np.asarray(self.disc_centre)
+        zenith = np.hypot(offset[..., 0], offset[..., 1]) / self.pixels_per_radian
+        return np.arctan2(offset[..., 0], offset[..., 1]), zenith
+
+    def pixel_zenith(self) -> NDArray[np.float64]:
+        """Zenith angle of every pixel centre, rad, shape ``image_size``."""
+        rows, columns = np.indices(self.image_size)
+        return self.unproject(np.stack([rows + 0.5, columns + 0.5], axis=-1))[1]
+
+    def panorama_map(
+        self, width: int = 288, height: int = 48, top_elevation: float = float(np.radians(75.0))
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Where the pixels of the unfolded panorama lie in the image (§2.2.4).
+
+        Columns are azimuths, rows are elevations from ``top_elevation`` (row 0)
+        down to 0° at the horizon; both are sampled at pixel centres.
+
+        Returns
+        -------
+        map_x, map_y : arrays, shape (height, width), float32
+            Column and row for ``cv2.remap``, which counts pixel centres as integers.
+        """
+        azimuth = (np.arange(width) + 0.5) / width * 2.0 * np.pi
+        elevation = top_elevation * (1.0 - (np.arange(height) + 0.5) / height)
+        grid_azimuth, grid_elevation = np.meshgrid(azimuth, elevation)
+        points = self.project(grid_azimuth, np.pi / 2 - grid_elevation) - 0.5
+        return points[..., 1].astype(np.float32), points[..., 0].astype(np.float32)
+
+
+SIMULATED_CAMERA = FisheyeCamera()
+"""The simulated robot's camera: a 464-pixel disc for 190° (§3.1)."""

@@ -1,0 +1,1 @@
+"""Fisheye images of every map node by Blender Cycles (§3.1)."""

@@ -1,0 +1,1 @@
+"""What an apartment is; reference apartments; the generator."""
