@@ -1,1 +1,32 @@
 """What a map is: arrays, the camera model, and the HDF5 map file."""
+
+from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
+from dataset.errors import FormatError, RoomsegError
+from dataset.inspection import Summary, summarise
+from dataset.journal import FrameJournal, discard_frames
+from dataset.storage import MapFile, Rooms, read_map, write_map, write_rooms
+from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, TopoMap, Visits
+from dataset.validation import problems
+
+__all__ = [
+    "SIMULATED_CAMERA",
+    "FisheyeCamera",
+    "FormatError",
+    "FrameJournal",
+    "GroundTruth",
+    "MapFile",
+    "Nodes",
+    "Obstacles",
+    "Path",
+    "Rooms",
+    "RoomsegError",
+    "Summary",
+    "TopoMap",
+    "Visits",
+    "discard_frames",
+    "problems",
+    "read_map",
+    "summarise",
+    "write_map",
+    "write_rooms",
+]

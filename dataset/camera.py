@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FisheyeCamera", "SIMULATED_CAMERA"]
+__all__ = ["SIMULATED_CAMERA", "FisheyeCamera"]
 
 
 @dataclass(frozen=True)

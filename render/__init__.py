@@ -1,1 +1,12 @@
-"""Fisheye images of every map node by Blender Cycles (§3.1)."""
+"""Fisheye images of every map node by Blender Cycles (§3.1).
+
+The only home of bpy, which is loaded in a child process when a frame is about to
+be rendered, and never by importing this package.
+"""
+
+from render.exposure import expose
+from render.job import render_map
+from render.libraries import MissingLibraryError
+from render.presets import PRESETS, Preset, preset_named
+
+__all__ = ["PRESETS", "MissingLibraryError", "Preset", "expose", "preset_named", "render_map"]

@@ -1,1 +1,1 @@
-"""The command line: one thin module per command, imported lazily."""
+"""The command line: one thin module per command, imported when it is called."""

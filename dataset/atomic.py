@@ -1,0 +1,104 @@
+"""Files that are either old or new, never half written, and have one writer.
+
+A new file is written beside the old one, forced to disk, and renamed over it;
+a rename within one folder is atomic on every POSIX file system. The lock is
+`flock` on ``FILE.lock``: the kernel drops it when the process dies, so a crash
+never leaves a map locked, even if the empty lock file stays behind.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from dataset.errors import RoomsegError
+
+__all__ = ["locked", "replacing", "write_text"]
+
+
+@contextmanager
+def locked(path: str | Path) -> Iterator[None]:
+    """Hold the one writer's lock of a file.
+
+    Parameters
+    ----------
+    path : path
+        The file that will be written; it need not exist yet.
+
+    Raises
+    ------
+    RoomsegError
+        If another process is writing to it.
+    """
+    lock = Path(f"{path}.lock")
+    descriptor = _open_lock(lock, Path(path))
+    try:
+        yield
+    finally:
+        lock.unlink(missing_ok=True)
+        os.close(descriptor)
+
+
+def _open_lock(lock: Path, path: Path) -> int:
+    """Take the lock; a lock file removed by its last holder meanwhile is made again."""
+    while True:
+        descriptor = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            os.close(descriptor)
+            raise RoomsegError(
+                f"{path}: another process is writing to it; wait until it has finished"
+            ) from error
+        with suppress(FileNotFoundError):
+            if os.fstat(descriptor).st_ino == lock.stat().st_ino:
+                return descriptor
+        os.close(descriptor)
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Write a file beside ``path`` and rename it to ``path`` if all went well.
+
+    Yields
+    ------
+    Path
+        Where to write. If the body raises, that file is removed and ``path``
+        is as it was.
+    """
+    path = Path(path)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield part
+        force_to_disk(part)
+        part.replace(path)
+        force_to_disk(path.parent)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Remove parts that killed writers of ``path`` left; only under its lock."""
+    path = Path(path)
+    prefix = f".{path.name}."
+    for part in path.parent.iterdir():
+        if part.name.startswith(prefix) and part.name.endswith(".part"):
+            part.unlink(missing_ok=True)
+
+
+def force_to_disk(path: Path) -> None:
+    """Make the content of a file or folder survive a power cut."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file atomically, UTF-8."""
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")

@@ -1,0 +1,304 @@
+"""Finished frames, kept safe beside the map until they are packed into it.
+
+Rendering a map takes hours and may be stopped at any instant; changing an
+HDF5 file in place is not safe against that. So each finished frame is appended
+to ``MAP.frames`` and forced to disk, and `FrameJournal.pack` merges the journal
+into a new copy of the map, renames that over the map, and only then removes the
+journal. Whatever instant it dies at:
+
+- while appending: the record is cut off, its checksum does not match, and the
+  next opening drops it; that one frame is rendered again;
+- while packing: the half-written copy is thrown away, map and journal are whole;
+- between rename and removal: the frames are in the map *and* in the journal;
+  packing them again changes nothing.
+
+The journal begins with one line of JSON that names the map, the camera and the
+preset of its frames, so that frames of two cameras, two presets or two maps
+never mix. A record is ``(length u4, node u4, gain f8, checksum u4)``, little
+endian, and ``length`` bytes: the deflated pixels exactly as HDF5 stores a chunk.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import heapq
+import json
+import os
+import struct
+import zlib
+from collections.abc import Iterator, Set
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dataset.atomic import force_to_disk, locked, remove_leftovers, replacing
+from dataset.camera import FisheyeCamera
+from dataset.errors import FormatError
+from dataset.layout import encode_camera
+from dataset.storage import Frame, MapFile, pack_image, put_images, rewriting, stored_frames
+from dataset.topomap import TopoMap
+
+__all__ = ["FrameJournal", "discard_frames", "journal_path"]
+
+MAGIC = b"roomseg-frames 1 "
+RECORD = struct.Struct("<IIdI")
+LONGEST_HEADER = 65536
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """Where a frame's deflated pixels lie in the journal."""
+
+    offset: int
+    length: int
+    gain: float
+
+
+def journal_path(path: str | Path) -> Path:
+    """Name the journal of a map file."""
+    return Path(f"{path}.frames")
+
+
+def _fingerprint(topomap: TopoMap) -> str:
+    """Tells maps apart, but not a map from itself with other labels."""
+    digest = hashlib.sha256(f"{topomap.environment}/{topomap.run}/{topomap.seed}".encode())
+    poses = topomap.nodes.true_pose
+    digest.update((topomap.nodes.position if poses is None else poses).tobytes())
+    digest.update((topomap.scene or "").encode())
+    return digest.hexdigest()
+
+
+class FrameJournal:
+    """The one writer of a map's images. Use it as a context manager.
+
+    Parameters
+    ----------
+    path : path
+        The map file.
+    camera : FisheyeCamera, optional
+        The camera of the frames that will be appended; the map's if absent.
+        If it differs, packing makes it the map's camera.
+    preset : str
+        Name of the render settings; empty if they do not matter.
+
+    Raises
+    ------
+    FormatError
+        If the map is unreadable, or it or its journal already holds frames of
+        another camera, preset or map.
+    RoomsegError
+        If another process is writing to the map.
+    """
+
+    def __init__(
+        self, path: str | Path, camera: FisheyeCamera | None = None, preset: str = ""
+    ) -> None:
+        self.path = Path(path)
+        self._journal = journal_path(path)
+        self._stream: BinaryIO | None = None
+        with MapFile(self.path) as file:
+            self.camera = camera or file.topomap.camera
+        self.preset = preset
+        with ExitStack() as stack:
+            stack.enter_context(locked(self.path))
+            remove_leftovers(self.path)
+            remove_leftovers(self._journal)
+            self._read_map()
+            self._entries = self._read_journal() if self._journal.exists() else {}
+            self._done = self._packed | self._entries.keys()
+            self._stack = stack.pop_all()
+
+    def __enter__(self) -> FrameJournal:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the map; what was appended stays in the journal."""
+        if self._stream is not None:
+            self._stream.close()
+            self._stream = None
+        self._stack.close()
+
+    @property
+    def done(self) -> Set[int]:
+        """Nodes whose frame is safe, in the map or in the journal; grows with `append`."""
+        return self._done
+
+    def append(self, index: int, image: NDArray[np.uint8], gain: float) -> None:
+        """Keep a finished frame; when this returns, it survives a crash.
+
+        Parameters
+        ----------
+        index : int
+            Node.
+        image : array, shape ``camera.image_size``, uint8
+        gain : float
+            Exposure gain a.
+
+        Raises
+        ------
+        FormatError
+            If the node does not exist or the image has another size or type.
+        """
+        if not 0 <= index < self._node_count:
+            raise FormatError(f"{self.path}: node {index}, expected 0..{self._node_count - 1}")
+        if not (np.isfinite(gain) and gain > 0.0):
+            raise FormatError(f"{self.path}: gain {gain} of node {index}, expected a number > 0")
+        data = pack_image(image, self.camera.image_size)
+        stream = self._open_stream()
+        start = stream.seek(0, os.SEEK_END)
+        stream.write(_seal(index, data, gain) + data)
+        stream.flush()
+        os.fsync(stream.fileno())
+        self._entries[index] = _Entry(start + RECORD.size, len(data), gain)
+        self._done.add(index)
+
+    def pack(self) -> int:
+        """Merge the journal into the map and remove it.
+
+        Returns
+        -------
+        int
+            How many frames came from the journal.
+        """
+        count = len(self._entries)
+        if not count:
+            return 0
+        self._merge()
+        if self._stream is not None:
+            self._stream.close()
+            self._stream = None
+        self._journal.unlink()
+        self._entries = {}
+        return count
+
+    def _merge(self) -> None:
+        with rewriting(self.path, without=["images", "camera"]) as (source, target):
+            old = (frame for frame in stored_frames(source) if frame[0] not in self._entries)
+            # Sorted by node, so that the bytes do not depend on who finished first.
+            frames = heapq.merge(old, self._frames(), key=lambda frame: frame[0])
+            encode_camera(target, self.camera)
+            put_images(target, frames, self._node_count, self.camera.image_size, self.preset)
+
+    def _frames(self) -> Iterator[Frame]:
+        with self._journal.open("rb") as stream:
+            for index, entry in sorted(self._entries.items()):
+                stream.seek(entry.offset)
+                yield index, stream.read(entry.length), entry.gain
+
+    def _read_map(self) -> None:
+        with MapFile(self.path) as file:
+            topomap, done = file.topomap, file.done
+            self._node_count = len(done)
+            self._packed = set(np.flatnonzero(done).tolist())
+            self._fingerprint = _fingerprint(topomap)
+            if self._packed:
+                self._match(self.path, topomap.camera, file.preset)
+
+    def _match(self, path: Path, camera: FisheyeCamera, preset: str) -> None:
+        """Refuse to mix frames of two cameras or presets; adopt a preset if none was given."""
+        if camera != self.camera:
+            raise FormatError(
+                f"{path}: holds frames of a {camera.disc_diameter:g} px disc in "
+                f"{camera.image_size} px, not {self.camera.disc_diameter:g} px in "
+                f"{self.camera.image_size} px: one map has one camera; use the same preset, "
+                "or start its images again (--force)"
+            )
+        if preset and self.preset and preset != self.preset:
+            raise FormatError(
+                f"{path}: holds frames of preset {preset!r}, not {self.preset!r}: use the same "
+                "preset, or start its images again (--force)"
+            )
+        self.preset = self.preset or preset
+
+    def _header(self) -> bytes:
+        fields = {
+            "map": self._fingerprint,
+            "camera": asdict(self.camera),
+            "preset": self.preset,
+        }
+        text = json.dumps(fields, sort_keys=True).encode()
+        return MAGIC + b"%08x " % zlib.crc32(text) + text + b"\n"
+
+    def _open_stream(self) -> BinaryIO:
+        """Open the journal for appending; begin it atomically, so its header is never torn."""
+        if self._stream is None:
+            if not self._journal.exists():
+                with replacing(self._journal) as part:
+                    part.write_bytes(self._header())
+            self._stream = self._journal.open("r+b")
+        return self._stream
+
+    def _read_journal(self) -> dict[int, _Entry]:
+        with self._journal.open("r+b") as stream:
+            self._check_header(stream.readline(LONGEST_HEADER))
+            entries: dict[int, _Entry] = {}
+            end = stream.tell()
+            for index, entry in _records(stream):
+                if not 0 <= index < self._node_count:
+                    break
+                entries[index] = entry
+                end = stream.tell()
+            stream.truncate(end)
+        force_to_disk(self._journal)
+        return entries
+
+    def _check_header(self, line: bytes) -> None:
+        checksum, _, text = line.removeprefix(MAGIC).rstrip(b"\n").partition(b" ")
+        if not line.startswith(MAGIC) or checksum != b"%08x" % zlib.crc32(text):
+            raise FormatError(f"{self._journal}: no journal of frames, remove or rename it")
+        header = json.loads(text)
+        if header["map"] != self._fingerprint:
+            raise FormatError(
+                f"{self._journal}: holds frames of another map than {self.path.name}, remove it"
+            )
+        fields = header["camera"]
+        fields["image_size"] = tuple(fields["image_size"])
+        fields["disc_centre"] = tuple(fields["disc_centre"])
+        self._match(self._journal, FisheyeCamera(**fields), header["preset"])
+
+
+def _seal(index: int, data: bytes, gain: float) -> bytes:
+    """Make the head of a record, with the checksum of head and data."""
+    plain = RECORD.pack(len(data), index, gain, 0)
+    return RECORD.pack(len(data), index, gain, zlib.crc32(data, zlib.crc32(plain)))
+
+
+def _records(stream: BinaryIO) -> Iterator[tuple[int, _Entry]]:
+    """Yield whole records from here on; stop at the first that is cut off or damaged."""
+    while len(head := stream.read(RECORD.size)) == RECORD.size:
+        length, index, gain, _ = RECORD.unpack(head)
+        offset = stream.tell()
+        data = stream.read(length)
+        if len(data) != length or _seal(index, data, gain) != head:
+            return
+        yield index, _Entry(offset, length, gain)
+
+
+def discard_frames(path: str | Path) -> None:
+    """Remove all images of a map, packed or not, to render them anew.
+
+    Raises
+    ------
+    RoomsegError
+        If the map is unreadable, or another process is writing to it.
+    """
+    with MapFile(path) as file:
+        has_images = bool(file.done.any())
+    with locked(path):
+        journal_path(path).unlink(missing_ok=True)
+        if has_images:
+            with rewriting(path, without=["images"]):
+                pass

@@ -1,0 +1,379 @@
+"""Map files: write one, read one, read its images one by one.
+
+A map file is only ever replaced as a whole (`dataset.atomic`), because HDF5 is
+not crash-safe when it is changed in place. Images are deflated, one chunk per
+image: finished frames can then be carried from the journal into the file, and
+from the old file into the new one, without being unpacked (`dataset.journal`).
+"""
+
+from __future__ import annotations
+
+import os
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dataset.atomic import locked, remove_leftovers, replacing
+from dataset.errors import FormatError
+from dataset.layout import (
+    array_of,
+    check_format,
+    decode_map,
+    encode_map,
+    number_attribute,
+    read,
+    text_attribute,
+)
+from dataset.topomap import TopoMap
+
+__all__ = ["MapFile", "Rooms", "read_map", "write_map", "write_rooms"]
+
+Image = NDArray[np.uint8]
+Frame = tuple[int, bytes, float]
+"""Node index, deflated pixels, exposure gain."""
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """A segmentation that was written back: label (n,), the model's name, how many rooms."""
+
+    label: NDArray[np.int32]
+    model: str
+    count: int
+
+
+def write_map(
+    path: str | Path,
+    topomap: TopoMap,
+    images: Iterable[Image | None] | None = None,
+    gains: ArrayLike | None = None,
+) -> None:
+    """Write a map file, atomically.
+
+    Parameters
+    ----------
+    path : path
+        An existing file is replaced as a whole.
+    topomap : TopoMap
+    images : iterable of arrays (rows, columns) uint8, optional
+        One per node; ``None`` for a node without image.
+    gains : array, shape (n,), optional
+        Exposure gain of each image; 1 if absent.
+
+    Raises
+    ------
+    FormatError
+        If an image has another size than ``topomap.camera`` says.
+    RoomsegError
+        If another process is writing to the file.
+    """
+    with locked(path):
+        remove_leftovers(path)
+        with replacing(path) as part, h5py.File(part, "w") as file:
+            encode_map(file, topomap)
+            if images is not None:
+                frames = _packed(images, gains, topomap)
+                put_images(file, frames, len(topomap.nodes), topomap.camera.image_size)
+
+
+def _packed(
+    images: Iterable[Image | None], gains: ArrayLike | None, topomap: TopoMap
+) -> Iterator[Frame]:
+    n = len(topomap.nodes)
+    gain = np.ones(n) if gains is None else np.asarray(gains, float)
+    if gain.shape != (n,):
+        raise FormatError(f"images/gain: shape {gain.shape}, expected {(n,)}")
+    count = 0
+    for index, image in enumerate(images):
+        count += 1
+        if image is not None and index < n:
+            yield index, pack_image(image, topomap.camera.image_size), float(gain[index])
+    if count != n:
+        raise FormatError(f"images/pixels: {count} images, expected {n}, one per node")
+
+
+def pack_image(image: Image, size: tuple[int, int]) -> bytes:
+    """Deflate an image as HDF5's own filter would; FormatError if it has another size."""
+    image = np.asarray(image)
+    if image.dtype != np.uint8 or image.shape != tuple(size):
+        raise FormatError(
+            f"images/pixels: an image of {image.dtype} {image.shape}, expected uint8 {tuple(size)}"
+        )
+    # Level 1: higher levels cost several times the time and save a few per cent of noise.
+    return zlib.compress(np.ascontiguousarray(image).tobytes(), 1)
+
+
+def put_images(
+    file: h5py.File, frames: Iterable[Frame], n: int, size: tuple[int, int], preset: str = ""
+) -> None:
+    """Write ``/images`` from packed frames in order of their node."""
+    group = file.create_group("images")
+    if preset:
+        group.attrs["preset"] = preset
+    pixels = group.create_dataset(
+        "pixels", (n, *size), "u1", chunks=(1, *size), compression="gzip", compression_opts=1
+    )
+    gain, done = np.ones(n), np.zeros(n, bool)
+    for index, data, value in frames:
+        pixels.id.write_direct_chunk((index, 0, 0), data)
+        gain[index], done[index] = value, True
+    group.create_dataset("gain", data=gain)
+    group.create_dataset("done", data=done)
+
+
+def stored_frames(file: h5py.File) -> Iterator[Frame]:
+    """Yield the packed frames that a file already holds, in order of their node."""
+    if "images" not in file:
+        return
+    pixels, gain = array_of(file, "images/pixels"), read(file, "images/gain", "f")
+    plain = pixels.chunks == (1, *pixels.shape[1:]) and pixels.compression == "gzip"
+    for index in np.flatnonzero(read(file, "images/done", "b")):
+        if plain and not pixels.shuffle:
+            data = pixels.id.read_direct_chunk((int(index), 0, 0))[1]
+        else:
+            data = pack_image(pixels[index], pixels.shape[1:])
+        yield int(index), data, float(gain[index])
+
+
+def read_map(path: str | Path) -> TopoMap:
+    """Read everything but the images.
+
+    Raises
+    ------
+    FormatError
+        One line: the file, the field, the value, and what would be right.
+    """
+    with opened(path) as file:
+        return decode_map(file)
+
+
+@contextmanager
+def errors_of(path: str | Path) -> Iterator[None]:
+    """Turn whatever a bad file makes h5py raise into one line that names the file."""
+    try:
+        yield
+    except FormatError as error:
+        message = str(error)
+        named = message.startswith(str(path))
+        raise FormatError(message if named else f"{path}: {message}") from error
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, MemoryError) as error:
+        reason = " ".join(str(error).split())
+        raise FormatError(f"{path}: damaged map file ({reason})") from error
+
+
+@contextmanager
+def opened(path: str | Path) -> Iterator[h5py.File]:
+    """Open a map file for reading; every error names it."""
+    with errors_of(path), open_map(path) as file:
+        yield file
+
+
+def open_map(path: str | Path) -> h5py.File:
+    """Open a map file for reading.
+
+    Raises
+    ------
+    FormatError
+        If there is none, it cannot be read, is cut off, or is no roomseg map.
+    """
+    path = Path(path)
+    if path.is_dir() or not path.exists():
+        what = "is a folder" if path.is_dir() else "no such file"
+        raise FormatError(f"{path}: {what}, expected a map file (.h5)")
+    if not os.access(path, os.R_OK):
+        raise FormatError(f"{path}: not readable, check its permissions")
+    with path.open("rb") as stream:
+        if not stream.read(8) == b"\x89HDF\r\n\x1a\n":
+            raise FormatError(f"{path}: not an HDF5 file, expected a map file (.h5)")
+    with errors_of(path):
+        try:
+            file = h5py.File(path, "r")
+        except OSError as error:
+            raise FormatError(
+                f"{path}: cut off or damaged HDF5 file, expected a complete map file"
+            ) from error
+        try:
+            check_format(file)
+        except FormatError:
+            file.close()
+            raise
+        return file
+
+
+class MapFile:
+    """A map file open for reading; arrays are read when they are asked for.
+
+    Use it as a context manager. Images that are still in a journal are not
+    visible until they are packed.
+
+    Parameters
+    ----------
+    path : path
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, cut off or no map; the other members raise it
+        if what they read is missing or wrong.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self._file = open_map(self.path)
+
+    def __enter__(self) -> MapFile:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; closing twice does nothing."""
+        self._file.close()
+
+    @cached_property
+    def topomap(self) -> TopoMap:
+        """Everything but the images."""
+        with errors_of(self.path):
+            return decode_map(self._file)
+
+    @cached_property
+    def done(self) -> NDArray[np.bool_]:
+        """Which nodes have an image, shape (n,)."""
+        n = len(self.topomap.nodes)
+        if "images" not in self._file:
+            return np.zeros(n, bool)
+        with errors_of(self.path):
+            done = read(self._file, "images/done", "b")
+            if done.shape != (n,):
+                raise FormatError(f"/images/done: shape {done.shape}, expected {(n,)}")
+            return done
+
+    @property
+    def image_count(self) -> int:
+        """How many nodes have an image."""
+        return int(self.done.sum())
+
+    @property
+    def preset(self) -> str:
+        """Name of the preset that the images were rendered with; empty if unknown."""
+        images = self._file.get("images")
+        return "" if images is None or "preset" not in images.attrs else images.attrs["preset"]
+
+    def image(self, index: int) -> Image:
+        """Read the camera image of a node, shape ``camera.image_size``, uint8."""
+        self._require(index)
+        with errors_of(self.path):
+            return np.asarray(self._pixels[index])
+
+    def images(self, indices: Sequence[int] | NDArray[Any] | None = None) -> Image:
+        """Read the images of some nodes (all, if absent), shape (k, rows, columns)."""
+        chosen = range(len(self.done)) if indices is None else indices
+        stack = [self.image(int(index)) for index in chosen]
+        size = self.topomap.camera.image_size
+        return np.stack(stack) if stack else np.empty((0, *size), np.uint8)
+
+    def gain(self, index: int) -> float:
+        """Exposure gain a of a node's image."""
+        self._require(index)
+        with errors_of(self.path):
+            return float(array_of(self._file, "images/gain")[index])
+
+    @property
+    def rooms(self) -> Rooms | None:
+        """The segmentation that was written back, if any."""
+        with errors_of(self.path):
+            if "rooms" not in self._file:
+                return None
+            group = self._file["rooms"]
+            return Rooms(
+                label=read(self._file, "rooms/label", "i"),
+                model=text_attribute(group, "model"),
+                count=int(number_attribute(group, "rooms")),
+            )
+
+    @cached_property
+    def _pixels(self) -> h5py.Dataset:
+        pixels = array_of(self._file, "images/pixels")
+        expected = (len(self.topomap.nodes), *self.topomap.camera.image_size)
+        if pixels.shape != expected or pixels.dtype != np.uint8:
+            raise FormatError(
+                f"/images/pixels: {pixels.dtype} {pixels.shape}, expected uint8 {expected}"
+            )
+        return pixels
+
+    def _require(self, index: int) -> None:
+        if not 0 <= index < len(self.done):
+            raise FormatError(f"{self.path}: node {index}, expected 0..{len(self.done) - 1}")
+        if not self.done[index]:
+            raise FormatError(
+                f"{self.path}: node {index} has no image; `roomseg render {self.path}` makes it"
+            )
+
+
+@contextmanager
+def rewriting(
+    path: str | Path, without: Sequence[str] = ()
+) -> Iterator[tuple[h5py.File, h5py.File]]:
+    """Replace a map file by a copy, changed in the body; call it under the lock.
+
+    Yields
+    ------
+    source, target : h5py.File
+        The old file, and a new one with all its content but the groups ``without``.
+    """
+    remove_leftovers(path)
+    # Not `opened`: a full disk while the body writes is no damaged map file.
+    with open_map(path) as source, replacing(path) as part, h5py.File(part, "w") as target:
+        with errors_of(path):
+            for name, value in source.attrs.items():
+                target.attrs[name] = value
+            for name in source:
+                if name not in without:
+                    source.copy(name, target)
+        yield source, target
+
+
+def write_rooms(path: str | Path, label: ArrayLike, *, model: str, rooms: int) -> None:
+    """Write a segmentation back into its map file, in place of an earlier one.
+
+    Parameters
+    ----------
+    path : path
+    label : array, shape (n,)
+        Room of each node.
+    model : str
+        Name of the classifier, or what stood in for it.
+    rooms : int
+        The number of rooms that was asked for.
+
+    Raises
+    ------
+    FormatError
+        If there is not one label per node.
+    RoomsegError
+        If another process is writing to the file.
+    """
+    labels = np.asarray(label, "<i4")
+    with locked(path), rewriting(path, without=["rooms"]) as (source, target):
+        n = len(array_of(source, "nodes/position"))
+        if labels.shape != (n,):
+            raise FormatError(f"{path}: rooms/label: shape {labels.shape}, expected {(n,)}")
+        group = target.create_group("rooms")
+        group.create_dataset("label", data=labels)
+        group.attrs["model"] = model
+        group.attrs["rooms"] = int(rooms)

@@ -1,0 +1,254 @@
+"""Blender Cycles: settings, device, and the capture of linear float pixels.
+
+`bpy.ops.render.render` offers no pixels in background mode, and files cost time.
+The capture therefore wraps the ``render`` method of the Cycles engine class and
+reads the finished 'Combined' pass from memory; where that is not possible it reads a
+float EXR from a temporary folder. A render that Blender gave up (a swallowed SIGINT
+still reports FINISHED) leaves no pixels, and is an error here.
+
+Same scene, settings and seed give the same bytes on one machine and device.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dataset.camera import FisheyeCamera
+from dataset.errors import RoomsegError
+from render.blender import place_camera, render_window
+from render.presets import Preset
+
+__all__ = ["Device", "FrameSource", "configure", "luminance", "select_device"]
+
+Device = Literal["auto", "cpu", "gpu"]
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
+"""Rec. 709 weights: the eye's, standing in for the monochrome sensor's response."""
+GPU_KINDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
+
+
+def configure(scene: Any, preset: Preset, threads: int | None = None) -> None:
+    """Set Cycles up for ``preset`` on ``threads`` threads (all, if None)."""
+    scene.render.engine = "CYCLES"
+    _configure_sampling(scene.cycles, preset)
+    _configure_denoising(scene, preset)
+    render = scene.render
+    render.use_persistent_data = True
+    render.use_compositing = False
+    render.use_sequencer = False
+    render.dither_intensity = 0.0
+    render.film_transparent = False
+    render.threads_mode = "FIXED"
+    render.threads = threads or len(os.sched_getaffinity(0))
+
+
+def _configure_sampling(cycles: Any, preset: Preset) -> None:
+    """Path tracing without the options that bias or only cost (docs/render.md)."""
+    cycles.samples = preset.samples
+    cycles.use_adaptive_sampling = False
+    cycles.time_limit = 0.0
+    cycles.use_light_tree = True
+    cycles.use_auto_tile = False
+    cycles.max_bounces = preset.max_bounces
+    cycles.diffuse_bounces = min(preset.diffuse_bounces, preset.max_bounces)
+    cycles.glossy_bounces = min(preset.glossy_bounces, preset.max_bounces)
+    cycles.transmission_bounces = 0
+    cycles.volume_bounces = 0
+    cycles.caustics_reflective = False
+    cycles.caustics_refractive = False
+    cycles.pixel_filter_type = "BOX"
+    cycles.filter_width = 1.0
+    cycles.film_exposure = 1.0
+    cycles.use_fast_gi = False
+    cycles.sample_clamp_direct = 0.0
+    cycles.sample_clamp_indirect = 0.0
+
+
+def _configure_denoising(scene: Any, preset: Preset) -> None:
+    """OpenImageDenoise on the image, guided by albedo and normals."""
+    cycles = scene.cycles
+    cycles.use_denoising = preset.denoise
+    if preset.denoise:
+        cycles.denoiser = "OPENIMAGEDENOISE"
+        cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+        cycles.denoising_prefilter = "FAST"
+        cycles.denoising_quality = preset.denoise_quality
+        cycles.denoising_use_gpu = False
+
+
+def select_device(bpy: Any, scene: Any, device: Device) -> str:
+    """Choose where Cycles runs and say what it is.
+
+    Returns
+    -------
+    str
+        'CPU' or kind and name of the graphics cards used.
+
+    Raises
+    ------
+    RoomsegError
+        If ``device`` is 'gpu' and there is none.
+    """
+    scene.cycles.device = "CPU"
+    if device == "cpu":
+        return "CPU"
+    preferences = bpy.context.preferences.addons["cycles"].preferences
+    for kind in GPU_KINDS:
+        names = _enable(preferences, kind)
+        if names:
+            scene.cycles.device = "GPU"
+            scene.cycles.denoising_use_gpu = True
+            return f"{kind}: {', '.join(names)}"
+    if device == "gpu":
+        raise RoomsegError("device: 'gpu', but Blender finds none here; expected 'auto' or 'cpu'")
+    return "CPU"
+
+
+def _enable(preferences: Any, kind: str) -> list[str]:
+    """Names of the graphics cards of ``kind``, now enabled; with none, Blender lists CPUs only."""
+    try:
+        preferences.compute_device_type = kind
+    except TypeError:
+        return []
+    preferences.get_devices()
+    names = []
+    for card in preferences.devices:
+        card.use = card.type == kind
+        if card.use:
+            names.append(card.name)
+    return names
+
+
+def luminance(colour: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Monochrome intensity (h, w) of linear RGB or RGBA (h, w, 3 or more)."""
+    return np.ascontiguousarray(colour[..., :3] @ LUMINANCE, dtype=np.float32)
+
+
+@dataclass
+class _Capture:
+    """The last frame's pixels (rows, columns, 4), top row first; None before a frame."""
+
+    pixels: NDArray[np.float32] | None = None
+    works: bool = True
+
+
+class FrameSource:
+    """Renders frames of one prepared scene.
+
+    Parameters
+    ----------
+    bpy : module
+    scene : bpy.types.Scene
+        With the camera of `render.blender.add_camera`; see `configure`.
+    camera : FisheyeCamera
+    seed : int
+        Frame i is sampled with seed + i, so that noise does not repeat between images.
+    """
+
+    def __init__(self, bpy: Any, scene: Any, camera: FisheyeCamera, seed: int = 0) -> None:
+        self._bpy = bpy
+        self._scene = scene
+        self._camera = camera
+        self._seed = seed
+        self._capture = _Capture()
+        self._outside = camera.pixel_zenith() > 0.5 * camera.field_of_view
+        _wrap_engine(bpy, self._capture)
+
+    def colour(self, pose: NDArray[np.float64], index: int = 0) -> NDArray[np.float32]:
+        """Linear RGB (h, w, 3) at ``pose`` (x m, y m, heading rad); 0 outside the disc.
+
+        Raises
+        ------
+        RoomsegError
+            If Blender returned without a frame.
+        """
+        place_camera(self._scene.camera, pose, self._camera.height)
+        self._scene.cycles.seed = (self._seed + index) % 2**31
+        self._scene.update_tag()
+        square = self._render()
+        return self._in_image(square)
+
+    def radiance(self, pose: NDArray[np.float64], index: int = 0) -> NDArray[np.float32]:
+        """Monochrome linear image (h, w) at ``pose``; see `colour`."""
+        return luminance(self.colour(pose, index))
+
+    def _render(self) -> NDArray[np.float32]:
+        self._capture.pixels = None
+        if not self._capture.works:
+            return self._render_file()
+        self._bpy.ops.render.render()
+        if self._capture.pixels is None:
+            if self._capture.works:
+                raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
+            return self._render_file()
+        return self._capture.pixels
+
+    def _render_file(self) -> NDArray[np.float32]:
+        """The fallback: through a float EXR in a temporary folder."""
+        render = self._scene.render
+        render.image_settings.file_format = "OPEN_EXR"
+        render.image_settings.color_depth = "32"
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "frame.exr"
+            render.filepath = str(path)
+            self._bpy.ops.render.render(write_still=True)
+            if not path.exists():
+                raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
+            image = self._bpy.data.images.load(str(path))
+            width, height = image.size
+            flat = np.empty(width * height * image.channels, dtype=np.float32)
+            image.pixels.foreach_get(flat)
+            channels = image.channels
+            self._bpy.data.images.remove(image)
+        return flat.reshape(height, width, channels)[::-1]
+
+    def _in_image(self, square: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The rendered square at its place in the camera image; black elsewhere."""
+        (side, _), origin = render_window(self._camera)
+        image = np.zeros((*self._camera.image_size, 3), dtype=np.float32)
+        first = [max(0, value) for value in origin]
+        last = [
+            min(size, value + side)
+            for size, value in zip(self._camera.image_size, origin, strict=True)
+        ]
+        image[first[0] : last[0], first[1] : last[1]] = square[
+            first[0] - origin[0] : last[0] - origin[0],
+            first[1] - origin[1] : last[1] - origin[1],
+            :3,
+        ]
+        image[self._outside] = 0.0
+        return image
+
+
+def _wrap_engine(bpy: Any, capture: _Capture) -> None:
+    """Make the Cycles engine hand its finished pixels to ``capture``."""
+    engine = next(
+        c for c in bpy.types.RenderEngine.__subclasses__() if c.__name__ == "CyclesRender"
+    )
+    original = getattr(engine, "uncaptured_render", engine.render)
+    engine.uncaptured_render = original
+
+    def render(self: Any, depsgraph: Any) -> None:
+        original(self, depsgraph)
+        try:
+            capture.pixels = _combined_pass(self)
+        except (AttributeError, IndexError, KeyError, TypeError):
+            capture.works = False
+
+    engine.render = render
+
+
+def _combined_pass(engine: Any) -> NDArray[np.float32]:
+    """Pixels (rows, columns, 4) of the engine's result, top row first."""
+    result = engine.get_result()
+    width, height = result.resolution_x, result.resolution_y
+    rendered = result.layers[0].passes["Combined"]
+    flat = np.empty(width * height * rendered.channels, dtype=np.float32)
+    rendered.rect.foreach_get(flat)
+    return flat.reshape(height, width, rendered.channels)[::-1].copy()

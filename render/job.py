@@ -1,0 +1,123 @@
+"""Images for the nodes of a map file, resumable (§3.1).
+
+A child process renders (`render.process`); this one exposes the images and is the
+map's one writer. Every finished frame goes to the journal beside the map at once
+and is packed into the map when the job ends, also by an error or Ctrl-C, so that at
+most the image in the making is lost. Frame i depends on the map's seed, the node's
+pose and i alone: a map rendered in pieces equals one rendered in one go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from dataset.errors import FormatError
+from dataset.journal import FrameJournal
+from dataset.storage import read_map
+from dataset.topomap import TopoMap
+from render.cycles import Device
+from render.exposure import expose
+from render.presets import Preset
+from render.process import RenderProcess
+from render.worker import Job
+from scenes.apartment import Apartment
+
+__all__ = ["render_map"]
+
+
+def render_map(
+    path: str | Path,
+    *,
+    preset: Preset,
+    limit: int | None = None,
+    threads: int | None = None,
+    device: Device = "auto",
+    on_device: Callable[[str], None] | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """Render the images that a map still lacks, at the nodes' true poses.
+
+    Parameters
+    ----------
+    path : path
+        Map file with ``/scene`` and ``/nodes/true_pose``.
+    preset : Preset
+    limit : int, optional
+        Render that many images at most.
+    threads : int, optional
+        All cores if absent.
+    device : {'auto', 'cpu', 'gpu'}
+    on_device : callable, optional
+        Called once with the name of what renders.
+    on_progress : callable, optional
+        Called with (images that are there, nodes), at first and after every image.
+
+    Returns
+    -------
+    int
+        How many images were rendered.
+
+    Raises
+    ------
+    FormatError
+        If the file is no map, has no scene or poses, or holds images of another
+        preset or camera.
+    RoomsegError
+        If another process writes to the map, or Blender fails.
+    """
+    topomap = read_map(path)
+    apartment = _apartment(path, topomap)
+    camera = preset.camera(topomap.camera)
+    with FrameJournal(path, camera, preset.name) as journal:
+        try:
+            missing = [i for i in range(len(topomap.nodes)) if i not in journal.done][:limit]
+            if on_progress is not None:
+                on_progress(len(journal.done), len(topomap.nodes))
+            if not missing:
+                return 0
+            job = Job(apartment, camera, preset, threads, device, topomap.seed)
+            with RenderProcess(job) as process:
+                if on_device is not None:
+                    on_device(process.device)
+                return _render(process, journal, topomap, missing, on_progress)
+        finally:
+            journal.pack()
+
+
+def _render(
+    process: RenderProcess,
+    journal: FrameJournal,
+    topomap: TopoMap,
+    missing: list[int],
+    on_progress: Callable[[int, int], None] | None,
+) -> int:
+    """Expose and journal the frames of the nodes ``missing``."""
+    poses = topomap.nodes.true_pose
+    assert poses is not None
+    count = 0
+    with closing(process.frames(missing, poses)) as frames:
+        for index, radiance in frames:
+            image, gain = expose(radiance, journal.camera)
+            journal.append(index, image, gain)
+            count += 1
+            if on_progress is not None:
+                on_progress(len(journal.done), len(topomap.nodes))
+    return count
+
+
+def _apartment(path: str | Path, topomap: TopoMap) -> Apartment:
+    """The map's own apartment; FormatError if the map cannot be rendered."""
+    if topomap.scene is None:
+        raise FormatError(f"{path}: /scene: missing, only simulated maps can be rendered")
+    if topomap.nodes.true_pose is None:
+        raise FormatError(f"{path}: /nodes/true_pose: missing, only simulated maps can be rendered")
+    try:
+        return Apartment.model_validate_json(topomap.scene)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise FormatError(f"{path}: /scene: {where}: {first['msg']}") from error

@@ -1,0 +1,140 @@
+"""Lamps, sun, sky and window portals (Table 8: interior, exterior or mixed light).
+
+The paper says only that some environments are lit mostly by interior lamps and
+others mostly through windows. Chosen here: 'interior' has all lamps on and the
+sky at dusk (a tenth), 'exterior' the lamps off, 'mixed' daylight with dimmed lamps
+(a tenth), since a sky of radiance 1 W/m²/sr brings only a few watts through a
+window. The exposure of §3.1 removes the common factor; only ratios matter.
+
+A lamp is its glowing body: every face of it shines, so that the ceiling around it is
+lit as well. Windows are open holes. A portal in each tells the path tracer where the sky's
+light comes from. Below the horizon there is ground, a quarter as bright as the sky.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Point as ShapelyPoint
+from shapely import Polygon
+
+from scenes.apartment import Apartment, Window
+from scenes.openings import place
+
+__all__ = ["SHARES", "add_lighting", "lamp_radiance", "window_frame"]
+
+SHARES = {"interior": (1.0, 0.1), "exterior": (0.0, 1.0), "mixed": (0.1, 1.0)}
+"""Share of the lamps' power and of the daylight, by `Lighting.source`."""
+
+SKY_COLOUR = (0.80, 0.92, 1.10)
+GROUND_COLOUR = (0.26, 0.25, 0.22)
+SUN_DIAMETER = float(np.radians(0.53))
+PORTAL_INSET = 0.01
+
+
+def add_lighting(bpy: Any, scene: Any, apartment: Apartment) -> None:
+    """Add sun, sky and portals of ``apartment`` to the Blender ``scene``."""
+    light = apartment.lighting
+    daylight = SHARES[light.source][1]
+    _set_sky(bpy, scene, daylight * light.sky_strength)
+    if daylight == 1.0 and light.sun_strength > 0.0 and light.sun_elevation_deg > 0.0:
+        _add_sun(bpy, scene, apartment)
+    if daylight * light.sky_strength > 0.0:
+        for window in apartment.windows:
+            _add_portal(bpy, scene, apartment, window)
+
+
+def lamp_radiance(apartment: Apartment, index: int, area: float) -> float:
+    """Radiance of lamp ``index`` whose body has ``area`` m² of surface, W/m²/sr.
+
+    A diffusely shining surface of radiance L and area A sends out pi L A watts.
+    """
+    power = SHARES[apartment.lighting.source][0] * apartment.lamps[index].power
+    return power / (np.pi * area)
+
+
+def _add_light(bpy: Any, scene: Any, kind: str, name: str) -> Any:
+    """A new light object of ``kind``; its data is ``object.data``."""
+    made = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+    scene.collection.objects.link(made)
+    return made
+
+
+def _add_sun(bpy: Any, scene: Any, apartment: Apartment) -> None:
+    """The sun; its azimuth is counted counter-clockwise from +x like every bearing."""
+    light = apartment.lighting
+    made = _add_light(bpy, scene, "SUN", "sun")
+    made.data.energy = light.sun_strength
+    made.data.angle = SUN_DIAMETER
+    made.data.color = (1.0, 0.93, 0.84)
+    # A light shines along its -z axis; tilt it by the zenith angle, then turn it.
+    zenith = np.radians(90.0 - light.sun_elevation_deg)
+    made.rotation_euler = (0.0, zenith, np.radians(light.sun_azimuth_deg))
+
+
+def _set_sky(bpy: Any, scene: Any, strength: float) -> None:
+    """A uniform sky over a darker ground, W/m²/sr."""
+    world = bpy.data.worlds.new("sky")
+    if world.node_tree is None:
+        world.use_nodes = True
+    scene.world = world
+    tree = world.node_tree
+    tree.nodes.clear()
+    direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(direction, split.inputs[0])
+    ramp = tree.nodes.new("ShaderNodeMapRange")
+    ramp.inputs["From Min"].default_value = -0.05
+    ramp.inputs["From Max"].default_value = 0.05
+    tree.links.new(split.outputs["Z"], ramp.inputs["Value"])
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.data_type = "RGBA"
+    mix.inputs[6].default_value = (*GROUND_COLOUR, 1.0)
+    mix.inputs[7].default_value = (*SKY_COLOUR, 1.0)
+    tree.links.new(ramp.outputs[0], mix.inputs["Factor"])
+    background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Strength"].default_value = strength
+    tree.links.new(mix.outputs[2], background.inputs["Color"])
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
+
+
+def window_frame(
+    apartment: Apartment, window: Window
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Middle of a window's outer face (2,), m, and the unit normal into the room (2,).
+
+    ``None`` if there is a room on both sides or on neither: such a window sees no sky.
+    """
+    opening = place(apartment, window.position, window.width)
+    reach = 0.5 * opening.thickness + 0.05
+    inside = [
+        any(
+            Polygon(room.polygon).covers(ShapelyPoint(opening.centre + s * reach * opening.across))
+            for room in apartment.rooms
+        )
+        for s in (1.0, -1.0)
+    ]
+    if inside[0] == inside[1]:
+        return None
+    inward = opening.across if inside[0] else -opening.across
+    return opening.centre - (0.5 * opening.thickness + PORTAL_INSET) * inward, inward
+
+
+def _add_portal(bpy: Any, scene: Any, apartment: Apartment, window: Window) -> None:
+    """A sampling aid that shines nothing itself: sky light enters here."""
+    frame = window_frame(apartment, window)
+    if frame is None:
+        return
+    middle, inward = frame
+    made = _add_light(bpy, scene, "AREA", "portal")
+    made.data.shape = "RECTANGLE"
+    made.data.size = window.width
+    made.data.size_y = window.head_height - window.sill_height
+    made.data.cycles.is_portal = True
+    made.location = (*middle, 0.5 * (window.sill_height + window.head_height))
+    # Turned upright (x stays horizontal), -z of the light must point along `inward`.
+    turn = float(np.arctan2(inward[1], inward[0])) - np.pi / 2.0
+    made.rotation_euler = (np.pi / 2.0, 0.0, turn)

@@ -1,0 +1,155 @@
+"""The caller's end of the rendering child process (`render.worker`)."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Generator
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dataset.errors import RoomsegError
+from render.worker import Job
+
+__all__ = ["RenderProcess"]
+
+PATIENCE_S = 10.0
+
+
+class RenderProcess:
+    """Renders an apartment in a process of its own. Use it as a context manager.
+
+    Parameters
+    ----------
+    job : Job
+
+    Attributes
+    ----------
+    device : str
+        What renders: 'CPU', or the graphics cards' names.
+
+    Raises
+    ------
+    RoomsegError
+        If Blender cannot be loaded, or the device asked for is not there.
+    """
+
+    def __init__(self, job: Job) -> None:
+        self._size = job.camera.image_size
+        self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  (closed by _end)
+        self._child = _start(self._log)
+        try:
+            self._send(job.to_json())
+            self.device = str(self._receive()[0]["device"])
+        except BaseException:
+            self._end(at_once=True)
+            raise
+
+    def __enter__(self) -> RenderProcess:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._end(at_once=error is not None)
+
+    def frames(
+        self, indices: list[int], poses: NDArray[np.float64]
+    ) -> Generator[tuple[int, NDArray[np.float32]], None, None]:
+        """Render the nodes ``indices``; the child works one frame ahead of the caller.
+
+        Parameters
+        ----------
+        indices : list of int
+        poses : array, shape (n, 3)
+            True poses of all nodes: m, m, rad.
+
+        Yields
+        ------
+        index : int
+        radiance : array, shape ``camera.image_size``, float32
+
+        Raises
+        ------
+        RoomsegError
+            If a frame could not be rendered.
+        """
+        for ahead in indices[:1]:
+            self._ask(ahead, poses)
+        for here, index in enumerate(indices):
+            for ahead in indices[here + 1 : here + 2]:
+                self._ask(ahead, poses)
+            _, data = self._receive()
+            yield index, np.frombuffer(data, dtype="<f4").reshape(self._size)
+
+    def _ask(self, index: int, poses: NDArray[np.float64]) -> None:
+        pose = [float(value) for value in poses[index]]
+        self._send(json.dumps({"index": int(index), "pose": pose}))
+
+    def _send(self, line: str) -> None:
+        assert self._child.stdin is not None
+        try:
+            self._child.stdin.write(line.encode() + b"\n")
+            self._child.stdin.flush()
+        except BrokenPipeError:
+            return  # the child is gone; why is said when its answer is read
+
+    def _receive(self) -> tuple[dict[str, Any], bytes]:
+        assert self._child.stdout is not None
+        line = self._child.stdout.readline()
+        if not line:
+            raise RoomsegError(self._last_words())
+        head = json.loads(line)
+        if "error" in head:
+            raise RoomsegError(head["error"])
+        data = self._child.stdout.read(head["bytes"])
+        if len(data) != head["bytes"]:
+            raise RoomsegError(self._last_words())
+        return head, data
+
+    def _last_words(self) -> str:
+        """One line on a child that died."""
+        status = self._child.wait()
+        self._log.seek(0)
+        lines = self._log.read().decode(errors="replace").strip().splitlines()
+        return f"Blender: the rendering process ended with {status}: {' '.join(lines[-1:])}"
+
+    def _end(self, at_once: bool) -> None:
+        """Let the child end by closing its input; kill it if it does not, or ``at_once``."""
+        assert self._child.stdin is not None and self._child.stdout is not None
+        if at_once:
+            self._child.kill()
+        with suppress(BrokenPipeError):
+            self._child.stdin.close()
+        try:
+            self._child.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self._child.kill()
+            self._child.wait()
+        self._child.stdout.close()
+        self._log.close()
+
+
+def _start(log: IO[bytes]) -> subprocess.Popen[bytes]:
+    """Start the child in a session of its own, so that Ctrl-C reaches only the caller."""
+    root = str(Path(__file__).resolve().parent.parent)
+    path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
+    return subprocess.Popen(
+        [sys.executable, "-m", "render.worker"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=log,
+        env={**os.environ, "PYTHONPATH": path},
+        start_new_session=True,
+    )

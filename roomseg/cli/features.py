@@ -1,0 +1,132 @@
+"""Edge features of several maps, with progress, for `train`, `segment` and `evaluate`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+from rich.progress import Progress
+
+from roomseg.cli.output import progress_bar
+
+if TYPE_CHECKING:
+    from dataset import MapFile
+    from roomseg.classifier import ClassifierParameters
+    from roomseg.evaluation import LabelledMap
+    from roomseg.features import EdgeFeatures
+
+__all__ = ["chosen_parameters", "classifier_options", "compute", "labelled_maps", "subset_option"]
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+# From `roomseg.features.SUBSETS`, which is only imported when it is needed.
+SUBSET_NAMES = ("all", "no-camera", "no-pano", "no-ceiling", "no-obst")
+
+FROM_IMAGES = frozenset({"passageway", "d_c", "d_s"})
+"""The features that need an image of every node."""
+
+subset_option = click.option(
+    "--features",
+    "subset",
+    type=click.Choice(SUBSET_NAMES),
+    default="all",
+    show_default=True,
+    help="Subset of the edge features; no-camera needs no images.",
+)
+
+
+def classifier_options(command: Command) -> Command:
+    """Add the four parameters of the method (Table 6)."""
+    positive = click.FloatRange(0.0, min_open=True)
+    for name, target, default, text in (
+        ("--rho", "rho", 60.0, "ρ: border edges weigh so many times less."),
+        ("--w", "class_weight", 40.0, "w: border edges count so many times."),
+        ("--gamma", "gamma", 2.0**-3, "γ of the kernel."),
+        ("--C", "c", 2.0**-3, "C of the SVM."),
+    ):
+        add = click.option(
+            name, target, type=positive, default=default, show_default=True, help=text
+        )
+        command = add(command)
+    return command
+
+
+def chosen_parameters(
+    *, c: float, gamma: float, class_weight: float, rho: float
+) -> ClassifierParameters:
+    """Collect what `classifier_options` gave."""
+    from roomseg.classifier import ClassifierParameters
+
+    return ClassifierParameters(C=c, gamma=gamma, class_weight=class_weight, rho=rho)
+
+
+def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
+    """Read maps with their ground truth and compute their edge features.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+    subset : str
+        Name of the feature set.
+
+    Raises
+    ------
+    RoomsegError
+        Before anything is computed: if a map is unreadable, lacks images that
+        the features need, or lacks its ground truth.
+    """
+    from dataset import MapFile
+    from roomseg.evaluation import LabelledMap
+    from roomseg.features import SUBSETS
+
+    for path in paths:
+        check_ready(path, SUBSETS[subset])
+        check_labelled(path)
+    maps = []
+    with progress_bar("images") as bar:
+        for path in paths:
+            with MapFile(path) as file:
+                features = compute(file, SUBSETS[subset], bar)
+                maps.append(LabelledMap(file.topomap, features))
+    return maps
+
+
+def compute(file: MapFile, names: Sequence[str], bar: Progress) -> EdgeFeatures:
+    """Compute the edge features of one map, with a line of progress."""
+    from roomseg.features import edge_features
+
+    task = bar.add_task(file.path.name, total=len(file.done))
+
+    def show(done: int, total: int) -> None:
+        bar.update(task, completed=done, total=total)
+
+    features = edge_features(file, names, progress=show)
+    bar.update(task, completed=len(file.done))
+    return features
+
+
+def check_ready(path: Path, names: Sequence[str]) -> None:
+    """Refuse a map without the images that features need, and say how to get them."""
+    from dataset import MapFile, RoomsegError
+
+    with MapFile(path) as file:
+        n, done = len(file.done), file.image_count
+    if done < n and FROM_IMAGES & set(names):
+        raise RoomsegError(
+            f"{path}: {done} of {n} nodes have an image, expected all; "
+            f"`roomseg render {path}` makes them"
+        )
+
+
+def check_labelled(path: Path) -> None:
+    """Refuse a map without a complete ground truth (RoomsegError)."""
+    from dataset import RoomsegError, read_map
+
+    truth = read_map(path).ground_truth
+    if truth is None or truth.room is None:
+        raise RoomsegError(
+            f"{path}: has no /ground_truth/room, expected the room of every node; "
+            "`roomseg simulate` makes maps with it"
+        )

@@ -1,0 +1,76 @@
+"""Options and arguments that several commands share."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+__all__ = [
+    "OutputFile",
+    "jobs_option",
+    "json_option",
+    "maps_argument",
+    "output_option",
+    "seed_option",
+]
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class OutputFile(click.ParamType[Path]):
+    """A file to be written, checked before the work begins rather than after it."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Refuse a folder, and a file in a folder that is missing or not writable."""
+        path = Path(value)
+        if path.is_dir():
+            self.fail(f"{path} is a folder, expected a file name", param, ctx)
+        if not path.parent.is_dir():
+            self.fail(f"{path}: the folder {path.parent} does not exist", param, ctx)
+        if not os.access(path.parent, os.W_OK):
+            self.fail(f"{path}: the folder {path.parent} is not writable", param, ctx)
+        return path
+
+
+maps_argument = click.argument(
+    "maps", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="MAP..."
+)
+
+json_option = click.option(
+    "--json", "json_file", type=OutputFile(), help="Also write the figures to a JSON file."
+)
+
+seed_option = click.option(
+    "--seed",
+    type=click.IntRange(0, 2**32 - 1),
+    default=0,
+    show_default=True,
+    help="Same seed, same result.",
+)
+
+jobs_option = click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="How many processes work at the same time.",
+)
+
+
+def output_option(text: str, default: str | None = None) -> Callable[[Command], Command]:
+    """Make ``-o FILE``; required if it has no default."""
+    return click.option(
+        "-o",
+        "--output",
+        type=OutputFile(),
+        required=default is None,
+        default=default,
+        show_default=default is not None,
+        help=text,
+    )

@@ -1,0 +1,153 @@
+"""Bring maps, plans, images and results together for a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+from importlib.metadata import version
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from shapely import Polygon
+
+from dataset import MapFile
+from roomseg.evaluation import Evaluation, LabelledMap
+from roomseg.evaluation import MapResult as Judged
+from roomseg.fidelity import edge_statistics, feature_statistics, roc_curves
+from roomseg.report import (
+    Fact,
+    LintelView,
+    MapResult,
+    Place,
+    Report,
+    search_lintel,
+    take_snapshot,
+)
+from scenes import apartment_from_json, floor_region, obstacles
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from scenes import Apartment
+
+__all__ = ["assemble"]
+
+SNAPSHOTS = 4
+"""Example images per place."""
+
+
+def assemble(
+    paths: Sequence[Path], labelled: Sequence[LabelledMap], evaluation: Evaluation
+) -> Report:
+    """Make the report of an evaluation.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Map files with images and scenes; maps of a place follow each other.
+    labelled : sequence of LabelledMap
+        The same maps, in the same order.
+    evaluation : Evaluation
+        Of these maps.
+
+    Returns
+    -------
+    Report
+    """
+    rows = zip(paths, labelled, evaluation.results, strict=True)
+    places = []
+    for _, members in groupby(rows, key=lambda row: row[2].environment):
+        path, *_ = first = next(members)
+        results = tuple(_result(item, judged) for _, item, judged in (first, *members))
+        places.append(_place(path, results))
+    curves = roc_curves(labelled)
+    return Report(
+        title="Room segmentation",
+        created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        software=f"roomseg {version('roomseg')}",
+        places=tuple(places),
+        description=(
+            "Each place was segmented by a classifier trained on the maps of the other places "
+            "(leave one environment out)."
+        ),
+        comparisons=(edge_statistics(labelled), feature_statistics(labelled)),
+        roc_without_images=curves[:2],
+        roc_with_images=curves[2:],
+    )
+
+
+def _result(item: LabelledMap, judged: Judged) -> MapResult:
+    """What is shown of one map."""
+    graph = item.features.graph
+    return MapResult(
+        topomap=item.topomap,
+        kept=graph.edges,
+        border=judged.predicted,
+        room=judged.labels,
+        uniform_room=judged.uniform_labels,
+        impurity=judged.quality.impurity,
+        uniform_impurity=judged.uniform_quality.impurity,
+        facts=_run_facts(item),
+    )
+
+
+def _run_facts(item: LabelledMap) -> tuple[Fact, ...]:
+    """Coverage and effort of a simulated run; nothing for a real robot's."""
+    from simulator import coverage_report
+
+    if item.topomap.scene is None:
+        return ()
+    report = coverage_report(item.topomap, apartment_from_json(item.topomap.scene))
+    return (
+        Fact("coverage", f"{100 * report.coverage:.1f} %", "within 20 cm of the path"),
+        Fact("path", f"{report.path_length:.0f} m"),
+    )
+
+
+def _place(path: Path, results: tuple[MapResult, ...]) -> Place:
+    """A place as its first map shows it."""
+    with MapFile(path) as file:
+        nodes = _spread(file.done)
+        camera = file.topomap.camera
+        snapshots = tuple(take_snapshot(node, file.image(node), camera) for node in nodes)
+        lintel = _clearest_lintel(file)
+        scene = file.topomap.scene
+        name = file.topomap.environment
+    place = Place(name=name, maps=results, snapshots=snapshots, lintel=lintel)
+    return place if scene is None else _with_plan(place, apartment_from_json(scene))
+
+
+def _with_plan(place: Place, apartment: Apartment) -> Place:
+    area = sum(Polygon(room.polygon).area for room in apartment.rooms)
+    return replace(
+        place,
+        description=apartment.description,
+        outlines=obstacles(apartment),
+        floor=floor_region(apartment),
+        base_station=apartment.start.position,
+        facts=(
+            Fact("floor area", f"{area:.1f} m²"),
+            Fact("lighting", apartment.lighting.source),
+            Fact("passageway contrast", apartment.passageway_contrast),
+        ),
+    )
+
+
+def _spread(done: NDArray[np.bool_]) -> list[int]:
+    """Nodes with images, spread evenly over the run."""
+    nodes = np.flatnonzero(done)
+    middle = (np.arange(SNAPSHOTS) + 0.5) / SNAPSHOTS
+    return [int(node) for node in nodes[(middle * len(nodes)).astype(int)]]
+
+
+def _clearest_lintel(file: MapFile) -> LintelView | None:
+    """The lintel search with the highest histogram bin among the ends of true border edges."""
+    truth = file.topomap.ground_truth
+    if truth is None:
+        return None
+    nodes = np.unique(file.topomap.edges[truth.edge_is_border])
+    views = [search_lintel(int(node), file.image(int(node)), file.topomap.camera) for node in nodes]
+    return max(views, key=lambda view: view.histogram.max(), default=None)

@@ -1,0 +1,106 @@
+"""``roomseg segment``: find the rooms of a map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from roomseg.cli.features import check_ready, compute
+from roomseg.cli.options import json_option, seed_option
+from roomseg.cli.output import progress_bar, write_json
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from dataset import TopoMap
+    from roomseg.classifier import BorderModel
+    from roomseg.preprocessing import MapGraph
+
+EXAMPLE = """\b
+Example:
+  roomseg segment maps/home7-run1.h5 --model model.skops --rooms 5
+  roomseg view maps/home7-run1.h5 --show rooms -o rooms.png
+"""
+
+
+@click.command("segment", epilog=EXAMPLE)
+@click.argument("map_file", metavar="MAP", type=click.Path(path_type=Path))
+@click.option(
+    "--model",
+    "model_file",
+    type=click.Path(path_type=Path),
+    help="A model by `roomseg train`; equal weights for all edges if absent.",
+)
+@click.option(
+    "--rooms", type=click.IntRange(1), help="How many rooms; the ground truth's if absent."
+)
+@seed_option
+@json_option
+def command(
+    *,
+    map_file: Path,
+    model_file: Path | None,
+    rooms: int | None,
+    seed: int,
+    json_file: Path | None,
+) -> None:
+    """Find the rooms of a map and write them back into it (§2.4)."""
+    import numpy as np
+
+    from dataset import read_map, write_rooms
+    from roomseg.classifier import load_model
+    from roomseg.preprocessing import preprocess
+    from roomseg.segmentation import segment
+
+    topomap = read_map(map_file)
+    count = _room_count(map_file, topomap, rooms)
+    model = None if model_file is None else load_model(model_file)
+    name = "uniform weights" if model_file is None else model_file.name
+    if model is None:
+        graph, is_border, rho = preprocess(topomap), None, 1.0
+    else:
+        graph, is_border = _borders(map_file, model)
+        rho = model.parameters.rho
+    label = segment(graph, is_border, count, np.random.default_rng(seed), rho)
+    write_rooms(map_file, label, model=name, rooms=count)
+    figures = _figures(map_file, name, topomap, label)
+    write_json(json_file, figures)
+    line = f"{map_file}: {count} rooms by {name}"
+    impurity = figures["impurity"]
+    click.echo(line if impurity is None else f"{line}, impurity {100 * impurity:.2f} %")
+
+
+def _room_count(path: Path, topomap: TopoMap, rooms: int | None) -> int:
+    from dataset import RoomsegError
+
+    if rooms is not None:
+        return rooms
+    if topomap.ground_truth is None:
+        raise RoomsegError(f"{path}: has no ground truth to take the room count from; give --rooms")
+    return topomap.ground_truth.room_count
+
+
+def _borders(path: Path, model: BorderModel) -> tuple[MapGraph, NDArray[np.bool_]]:
+    """Find the map graph, and which of its edges the model takes for borders."""
+    from dataset import MapFile
+
+    check_ready(path, model.names)
+    with progress_bar("images") as bar, MapFile(path) as file:
+        features = compute(file, model.names, bar)
+    return features.graph, model.predict(features)
+
+
+def _figures(path: Path, name: str, topomap: TopoMap, label: NDArray[np.int32]) -> dict[str, Any]:
+    from roomseg.metrics import impurity
+
+    truth = topomap.ground_truth
+    room = None if truth is None else truth.room
+    return {
+        "map": str(path),
+        "model": name,
+        "rooms": int(label.max()) + 1,
+        "impurity": None if room is None else impurity(label, room),
+    }

@@ -1,0 +1,285 @@
+"""Leave-one-environment-out evaluation (§2.3.3, §3.2, §3.3).
+
+Maps of one place are never in both the training and the test set. k-means of
+each map is seeded by the evaluation's seed and the map's name, so that a
+result depends neither on the order of the maps nor on the number of jobs.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dataset.errors import FormatError
+from dataset.topomap import TopoMap
+from roomseg.classifier import BorderModel, ClassifierParameters, train
+from roomseg.features import EdgeFeatures
+from roomseg.ground_truth import known_truth
+from roomseg.metrics import (
+    BorderQuality,
+    SegmentationQuality,
+    border_quality,
+    segmentation_quality,
+)
+from roomseg.room_count import (
+    EigenvalueGap,
+    NodeCountRegression,
+    RoomCountQuality,
+    room_count_quality,
+)
+from roomseg.segmentation import affinity_of, edge_weights, segment
+from roomseg.spectral import laplacian_eigenvalues
+
+__all__ = [
+    "Evaluation",
+    "LabelledMap",
+    "MapResult",
+    "evaluate_room_count",
+    "judge",
+    "leave_one_environment_out",
+    "map_rng",
+    "segment_map",
+    "train_on",
+]
+
+
+@dataclass(frozen=True)
+class LabelledMap:
+    """A map with its room labels and the features of its edges.
+
+    Raises
+    ------
+    FormatError
+        If the map's nodes have no room labels.
+    """
+
+    topomap: TopoMap
+    features: EdgeFeatures
+
+    def __post_init__(self) -> None:
+        if known_truth(self.topomap).room is None:
+            raise FormatError(
+                f"{self.topomap.environment}/{self.topomap.run}: no ground_truth/room, "
+                "expected room labels; label the map first"
+            )
+
+    @property
+    def is_border(self) -> NDArray[np.bool_]:
+        """True border edges among the kept ones, shape (e',)."""
+        return known_truth(self.topomap).edge_is_border[self.features.graph.kept]
+
+    @property
+    def room(self) -> NDArray[np.int32]:
+        """Ground-truth room of each node, shape (n,)."""
+        room = known_truth(self.topomap).room
+        assert room is not None  # __post_init__ has checked
+        return room
+
+    @property
+    def room_count(self) -> int:
+        """Number of rooms that the operator gave."""
+        return known_truth(self.topomap).room_count
+
+
+@dataclass(frozen=True)
+class MapResult:
+    """What came out for one map.
+
+    Attributes
+    ----------
+    environment, run : str
+    predicted : array of bool, shape (e',)
+        Kept edges that the classifier calls border edges (Fig. 12).
+    labels, uniform_labels : arrays, shape (n,)
+        Segmentation with the classifier and with uniform weights (§3.3).
+    quality, uniform_quality : SegmentationQuality
+    borders : BorderQuality
+        Of the predicted border edges.
+    """
+
+    environment: str
+    run: str
+    predicted: NDArray[np.bool_]
+    labels: NDArray[np.int32]
+    uniform_labels: NDArray[np.int32]
+    quality: SegmentationQuality
+    uniform_quality: SegmentationQuality
+    borders: BorderQuality
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Results of all maps, in the order in which they were given."""
+
+    results: tuple[MapResult, ...]
+    names: tuple[str, ...]
+    parameters: ClassifierParameters
+
+    @property
+    def impurity(self) -> NDArray[np.float64]:
+        """Impurity of each map with the classifier, shape (maps,)."""
+        return np.array([result.quality.impurity for result in self.results])
+
+    @property
+    def uniform_impurity(self) -> NDArray[np.float64]:
+        """Impurity of each map with uniform weights, shape (maps,)."""
+        return np.array([result.uniform_quality.impurity for result in self.results])
+
+    @property
+    def mean_impurity(self) -> float:
+        """Mean impurity over all maps (§2.3.3)."""
+        return float(self.impurity.mean())
+
+    @property
+    def median_impurity(self) -> float:
+        """Median impurity over all maps (Table 5)."""
+        return float(np.median(self.impurity))
+
+
+def map_rng(seed: int, topomap: TopoMap) -> np.random.Generator:
+    """Make a generator of the map's own, whatever other maps there are."""
+    name = f"{topomap.environment}/{topomap.run}".encode()
+    return np.random.default_rng([seed, zlib.crc32(name)])
+
+
+def train_on(
+    maps: Sequence[LabelledMap], parameters: ClassifierParameters | None = None
+) -> BorderModel:
+    """Train one classifier on the edges of several maps (§2.3.2).
+
+    Raises
+    ------
+    FormatError
+        If there is no map, maps differ in their features, or all edges are of
+        one kind.
+    """
+    if not maps:
+        raise FormatError("maps: none to train on, expected at least 1")
+    names = maps[0].features.names
+    values = [item.features.subset(names).values for item in maps]
+    is_border = [item.is_border for item in maps]
+    return train(np.concatenate(values), np.concatenate(is_border), names, parameters)
+
+
+def segment_map(item: LabelledMap, model: BorderModel | None, seed: int = 0) -> NDArray[np.int32]:
+    """Segment a labelled map into its true number of rooms; None: uniform weights."""
+    graph = item.features.graph
+    predicted = None if model is None else model.predict(item.features)
+    rho = 1.0 if model is None else model.parameters.rho
+    return segment(graph, predicted, item.room_count, map_rng(seed, item.topomap), rho)
+
+
+def leave_one_environment_out(
+    maps: Sequence[LabelledMap],
+    parameters: ClassifierParameters | None = None,
+    *,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Evaluation:
+    """Segment every map with a classifier trained on all other environments (§2.3.3).
+
+    Parameters
+    ----------
+    maps : sequence of LabelledMap
+    parameters : ClassifierParameters, optional
+    seed : int
+        For the starts of k-means.
+    progress : callable, optional
+        Called with (maps done, maps in all).
+
+    Returns
+    -------
+    Evaluation
+
+    Raises
+    ------
+    FormatError
+        If the maps come from fewer than two environments.
+    """
+    parameters = parameters or ClassifierParameters()
+    results: dict[int, MapResult] = {}
+    for environment, test in _folds(maps):
+        model = train_on([m for m in maps if m.topomap.environment != environment], parameters)
+        for index in test:
+            results[index] = judge(maps[index], model, seed)
+            if progress is not None:
+                progress(len(results), len(maps))
+    ordered = tuple(results[index] for index in range(len(maps)))
+    return Evaluation(ordered, maps[0].features.names, parameters)
+
+
+def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
+    """Each environment's name and the indices of its maps."""
+    environments = sorted({item.topomap.environment for item in maps})
+    if len(environments) < 2:
+        raise FormatError(
+            f"maps: {len(environments)} environments ({', '.join(environments)}), "
+            "expected at least 2 to leave one out"
+        )
+    return [
+        (name, [i for i, item in enumerate(maps) if item.topomap.environment == name])
+        for name in environments
+    ]
+
+
+def judge(item: LabelledMap, model: BorderModel, seed: int = 0) -> MapResult:
+    """Segment one map with and without the model, and compare with its ground truth."""
+    labels, uniform = segment_map(item, model, seed), segment_map(item, None, seed)
+    predicted = model.predict(item.features)
+    return MapResult(
+        item.topomap.environment,
+        item.topomap.run,
+        predicted,
+        labels,
+        uniform,
+        segmentation_quality(labels, item.room),
+        segmentation_quality(uniform, item.room),
+        border_quality(predicted, item.is_border),
+    )
+
+
+def evaluate_room_count(
+    maps: Sequence[LabelledMap],
+    parameters: ClassifierParameters | None = None,
+    *,
+    most_rooms: int = 20,
+) -> tuple[RoomCountQuality, RoomCountQuality]:
+    """Table 7: node count regression and eigenvalue gap, leaving one environment out.
+
+    The Laplacian's weights come from a classifier that has not seen the
+    environment, as they would in use; those of the training maps come from the
+    same classifier.
+
+    Parameters
+    ----------
+    maps : sequence of LabelledMap
+    parameters : ClassifierParameters, optional
+    most_rooms : int
+        Gaps beyond this one are not looked at.
+    """
+    by_nodes, by_gap = np.zeros(len(maps), int), np.zeros(len(maps), int)
+    rooms = [item.room_count for item in maps]
+    counts = [len(item.topomap.nodes) for item in maps]
+    for environment, test in _folds(maps):
+        known = [i for i, item in enumerate(maps) if item.topomap.environment != environment]
+        model = train_on([maps[i] for i in known], parameters)
+        spectra = [_eigenvalues(item, model, most_rooms) for item in maps]
+        regression = NodeCountRegression.fit([counts[i] for i in known], [rooms[i] for i in known])
+        gap = EigenvalueGap.fit([spectra[i] for i in known], [rooms[i] for i in known])
+        for i in test:
+            by_nodes[i], by_gap[i] = regression.predict(counts[i]), gap.predict(spectra[i])
+    return (
+        room_count_quality(by_nodes.tolist(), rooms),
+        room_count_quality(by_gap.tolist(), rooms),
+    )
+
+
+def _eigenvalues(item: LabelledMap, model: BorderModel, most_rooms: int) -> NDArray[np.float64]:
+    """λ_1 .. λ_{most_rooms + 1} of a map whose edges the model has weighted."""
+    graph = item.features.graph
+    weights = edge_weights(graph, model.predict(item.features), model.parameters.rho)
+    return laplacian_eigenvalues(affinity_of(graph, weights), most_rooms + 1)

@@ -1,0 +1,54 @@
+"""The paper's figures, each drawn into given axes from arrays (Matplotlib, no global state)."""
+
+from roomseg.figures.camera_images import (
+    draw_camera_image,
+    draw_edge_pixels,
+    draw_lintel_histogram,
+    draw_lintel_search,
+    draw_panorama,
+)
+from roomseg.figures.charts import (
+    RocCurve,
+    draw_impurity_bars,
+    draw_impurity_surface,
+    draw_passage_width,
+    draw_roc,
+    draw_room_counts,
+)
+from roomseg.figures.graphs import draw_borders, draw_graph, draw_rooms, match_rooms, wrong_nodes
+from roomseg.figures.plans import (
+    Plan,
+    draw_cleaning_run,
+    draw_floor,
+    draw_obstacle_map,
+    draw_outlines,
+)
+from roomseg.figures.style import finish_plan, new_figure, png_bytes, scale_bar
+
+__all__ = [
+    "Plan",
+    "RocCurve",
+    "draw_borders",
+    "draw_camera_image",
+    "draw_cleaning_run",
+    "draw_edge_pixels",
+    "draw_floor",
+    "draw_graph",
+    "draw_impurity_bars",
+    "draw_impurity_surface",
+    "draw_lintel_histogram",
+    "draw_lintel_search",
+    "draw_obstacle_map",
+    "draw_outlines",
+    "draw_panorama",
+    "draw_passage_width",
+    "draw_roc",
+    "draw_room_counts",
+    "draw_rooms",
+    "finish_plan",
+    "match_rooms",
+    "new_figure",
+    "png_bytes",
+    "scale_bar",
+    "wrong_nodes",
+]

@@ -1,0 +1,187 @@
+"""Judging segmentations, border edges and single features.
+
+Impurity (Eq. 18), Youden's J and the area under the ROC curve (§2.2.5), and
+the statistics of Table 1 and §2.2.2 are the paper's; the adjusted Rand index,
+V-measure, precision and recall are added because readers know them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.metrics import adjusted_rand_score, roc_auc_score, roc_curve, v_measure_score
+from sklearn.metrics.cluster import contingency_matrix
+
+__all__ = [
+    "BorderQuality",
+    "FeatureQuality",
+    "LengthStatistics",
+    "SegmentationQuality",
+    "WidthStatistics",
+    "border_quality",
+    "feature_quality",
+    "impurity",
+    "length_statistics",
+    "purity",
+    "segmentation_quality",
+    "width_statistics",
+]
+
+Floats = NDArray[np.float64]
+Labels = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+
+def purity(labels: Labels, rooms: Labels) -> float:
+    """ψ of Eq. 18: fraction of nodes in the main room of their cluster.
+
+    Parameters
+    ----------
+    labels : array, shape (n,)
+        Clusters C_i.
+    rooms : array, shape (n,)
+        Ground truth R_j.
+    """
+    overlap = contingency_matrix(labels, rooms)
+    return float(overlap.max(axis=1).sum() / len(labels))
+
+
+def impurity(labels: Labels, rooms: Labels) -> float:
+    """Impurity v = 1 - ψ (§2.3.3)."""
+    return 1.0 - purity(labels, rooms)
+
+
+@dataclass(frozen=True)
+class SegmentationQuality:
+    """Impurity (Eq. 18), adjusted Rand index and V-measure of a segmentation."""
+
+    impurity: float
+    adjusted_rand: float
+    v_measure: float
+
+
+def segmentation_quality(labels: Labels, rooms: Labels) -> SegmentationQuality:
+    """Compare room labels with the ground truth, both of shape (n,)."""
+    return SegmentationQuality(
+        impurity(labels, rooms),
+        float(adjusted_rand_score(rooms, labels)),
+        float(v_measure_score(rooms, labels)),
+    )
+
+
+@dataclass(frozen=True)
+class BorderQuality:
+    """Predicted border edges: precision and recall; 0 where there is nothing to count."""
+
+    precision: float
+    recall: float
+
+
+def border_quality(predicted: Flags, is_border: Flags) -> BorderQuality:
+    """Compare predicted with true border edges, both of shape (e',)."""
+    hits = int(np.count_nonzero(predicted & is_border))
+    return BorderQuality(
+        hits / max(1, int(np.count_nonzero(predicted))),
+        hits / max(1, int(np.count_nonzero(is_border))),
+    )
+
+
+@dataclass(frozen=True)
+class FeatureQuality:
+    """How well a threshold on one feature finds border edges (§2.2.5, Table 3).
+
+    Attributes
+    ----------
+    auc, youden : float
+        Area under the ROC curve and Youden's J, in the better direction.
+    higher_is_border : bool
+        The direction: whether edges above the threshold are taken for borders.
+    threshold : float
+        Where J is reached; edges at the threshold count as borders.
+    false_positive, true_positive : arrays
+        The ROC curve (Fig. 11).
+    """
+
+    auc: float
+    youden: float
+    higher_is_border: bool
+    threshold: float
+    false_positive: Floats
+    true_positive: Floats
+
+
+def feature_quality(values: Floats, is_border: Flags) -> FeatureQuality:
+    """ROC analysis of one feature; both arrays have shape (e',).
+
+    Raises
+    ------
+    ValueError
+        If the edges are all of one kind.
+    """
+    if is_border.all() or not is_border.any():
+        raise ValueError("is_border: one kind of edge only, expected both")
+    auc = float(roc_auc_score(is_border, values))
+    sign = 1.0 if auc >= 0.5 else -1.0
+    false_positive, true_positive, thresholds = roc_curve(is_border, sign * values)
+    best = int(np.argmax(true_positive - false_positive))
+    return FeatureQuality(
+        max(auc, 1.0 - auc),
+        float(true_positive[best] - false_positive[best]),
+        sign > 0,
+        float(sign * thresholds[best]),
+        false_positive,
+        true_positive,
+    )
+
+
+@dataclass(frozen=True)
+class LengthStatistics:
+    """Table 1, and the class ratio of §2.3.2 (within-room edges per border edge)."""
+
+    short: float
+    border: float
+    border_given_short: float
+    border_given_long: float
+    class_ratio: float
+
+
+def length_statistics(
+    length: Floats, is_border: Flags, short_length: float = 0.20
+) -> LengthStatistics:
+    """Probabilities of Table 1; an edge is short if l < 0.2 m. Both arrays: shape (e',)."""
+    short = length < short_length
+    return LengthStatistics(
+        _fraction(short),
+        _fraction(is_border),
+        _fraction(is_border[short]),
+        _fraction(is_border[~short]),
+        float(np.count_nonzero(~is_border) / max(1, np.count_nonzero(is_border))),
+    )
+
+
+@dataclass(frozen=True)
+class WidthStatistics:
+    """Figures of §2.2.2: edges without L, largest L (m), P(border | L < 0.5 m)."""
+
+    missing: float
+    largest: float
+    border_given_narrow: float
+
+
+def width_statistics(
+    width: Floats, is_border: Flags, default: float = 5.0, narrow: float = 0.5
+) -> WidthStatistics:
+    """Figures of §2.2.2 from L (m) of each edge; both arrays have shape (e',)."""
+    measured = width[width != default]
+    return WidthStatistics(
+        _fraction(width == default),
+        float(measured.max()) if len(measured) else float("nan"),
+        _fraction(is_border[width < narrow]),
+    )
+
+
+def _fraction(flags: Flags) -> float:
+    """Share of true flags; nan if there are none."""
+    return float(flags.mean()) if len(flags) else float("nan")

@@ -1,0 +1,296 @@
+"""The apartment as vertical prisms: one geometry for simulator and renderer.
+
+Everything solid is a vertical prism, so that the robot's 2D obstacles are by
+construction the footprints of what the 3D scene has near the floor. The shell
+is closed and thick: walls run from below the floor to above every ceiling and
+each ceiling slab fills all the space above its room, so that no ray of light
+slips in between and rooms of different height need no extra pieces.
+
+Gaps of up to 3 cm between a drawn room and a drawn wall become wall; what a
+wall covers of a room is floor: the room polygons have the last word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import MultiPolygon, Polygon
+
+from scenes.apartment import Apartment, Passage, Room
+from scenes.lamps import lamp_parts
+from scenes.openings import Opening, lining_of, place
+from scenes.pieces import piece_parts
+
+__all__ = [
+    "WALL",
+    "Prism",
+    "apartment_solids",
+    "building_region",
+    "floor_region",
+    "obstacles",
+    "passage_rooms",
+    "polygons",
+    "rooms_region",
+    "wall_region",
+]
+
+WALL = "<wall>"
+"""Material of prisms whose faces take the ``walls`` material of the room they look into.
+
+No user can give a material this name."""
+
+SLAB = 0.2
+"""Thickness of floors, and of the ceiling over the highest room, m."""
+GAP = 0.03
+"""Gaps up to this width between a room and a wall are closed, m."""
+OVERLAP = 0.03
+"""How far floor and ceiling slabs reach into the walls against light leaks, m."""
+LEAF = 0.04
+"""Thickness of a closed door's leaf, m."""
+SASH = 0.06
+"""Width and depth of a window frame's bars, m."""
+
+
+@dataclass(frozen=True)
+class Prism:
+    """A solid: a polygon (holes allowed) between two heights.
+
+    ``footprint`` in m; ``bottom`` and ``top`` m above the floor; ``material``
+    a name for `scenes.materials.resolve`, or `WALL`.
+    """
+
+    footprint: Polygon
+    bottom: float
+    top: float
+    material: str
+
+    def __post_init__(self) -> None:
+        if not self.top > self.bottom:
+            raise ValueError(f"top: {self.top}, expected above the bottom at {self.bottom} m")
+        if not (self.footprint.area > 0.0 and self.footprint.is_valid):
+            raise ValueError("footprint: expected a valid polygon with an area")
+
+    @property
+    def volume(self) -> float:
+        """Volume, m³."""
+        return float(self.footprint.area) * (self.top - self.bottom)
+
+
+def polygons(region: shapely.Geometry, smallest: float = 1e-7) -> list[Polygon]:
+    """The polygons of any geometry, without lines, points and specks below ``smallest`` m²."""
+    return [
+        part
+        for part in shapely.get_parts(shapely.get_parts(region))
+        if part.geom_type == "Polygon" and part.area > smallest
+    ]
+
+
+def rooms_region(apartment: Apartment) -> shapely.Geometry:
+    """Union of the room polygons."""
+    return shapely.union_all([Polygon(room.polygon) for room in apartment.rooms])
+
+
+def building_region(apartment: Apartment) -> shapely.Geometry:
+    """Rooms and walls together, small gaps closed, openings filled."""
+    lines = [
+        shapely.LineString([wall.start, wall.end]).buffer(
+            wall.thickness / 2, cap_style="square", join_style="mitre"
+        )
+        for wall in apartment.walls
+    ]
+    region = shapely.union_all([*lines, rooms_region(apartment)])
+    closed = region.buffer(GAP / 2, join_style="mitre").buffer(-GAP / 2, join_style="mitre")
+    # Rounding drops the specks of the two buffers; the grid must not stick to the result,
+    # or every later overlay would round furniture too.
+    return shapely.set_precision(shapely.set_precision(closed.union(region), 1e-6), 0.0)
+
+
+def wall_region(apartment: Apartment) -> shapely.Geometry:
+    """Footprint of the walls before any opening is cut: the building without its rooms."""
+    return building_region(apartment).difference(rooms_region(apartment))
+
+
+def passage_rooms(apartment: Apartment, passage: Passage) -> tuple[int | None, int | None]:
+    """Indices of the rooms on the right (-across) and the left (+across) side of a passage."""
+    opening = place(apartment, passage.position, passage.width)
+    shapes = [Polygon(room.polygon) for room in apartment.rooms]
+
+    def room_at(side: float) -> int | None:
+        for step in (GAP + 0.01, 0.1):
+            offset = side * (opening.thickness / 2 + step)
+            point = shapely.Point(opening.points(np.array([0.0, offset])))
+            inside = np.flatnonzero(shapely.intersects(shapes, point))
+            if len(inside):
+                return int(inside[0])
+        return None
+
+    return room_at(-1.0), room_at(1.0)
+
+
+def _cut(opening: Opening, walls: shapely.Geometry, margin: float) -> shapely.Geometry:
+    """What an opening takes out of the walls; ``margin`` m on either side of the clear width."""
+    half = opening.width / 2 + margin
+    depth = opening.thickness / 2 + GAP
+    return opening.rectangle((-half, half), (-depth, depth)).intersection(walls)
+
+
+def passage_footprint(
+    apartment: Apartment, passage: Passage, walls: shapely.Geometry
+) -> shapely.Geometry:
+    """Floor of a passage between the jambs."""
+    return _cut(place(apartment, passage.position, passage.width), walls, 0.0)
+
+
+def floor_region(apartment: Apartment) -> shapely.Geometry:
+    """Rooms and the footprints of the open passages."""
+    walls = wall_region(apartment)
+    floors = [passage_footprint(apartment, p, walls) for p in apartment.passages if not p.closed]
+    region = shapely.union_all([rooms_region(apartment), *floors])
+    return shapely.union_all(polygons(region))
+
+
+def apartment_solids(apartment: Apartment) -> list[Prism]:
+    """Every solid of the apartment, in a fixed order.
+
+    Raises
+    ------
+    KeyError
+        If a piece of furniture is of an unknown kind.
+    ValueError
+        If a piece is too small for its parts.
+    """
+    return [*_shell(apartment), *_contents(apartment)]
+
+
+def obstacles(apartment: Apartment, low: float = 0.01, high: float = 0.10) -> MultiPolygon:
+    """What the robot can bump into: footprints of the solids between two heights.
+
+    Parameters
+    ----------
+    apartment : Apartment
+    low, high : float
+        m above the floor: what is lower is driven over (rugs), what begins
+        higher is driven under (tables, beds).
+
+    Returns
+    -------
+    MultiPolygon
+    """
+    shapes = [
+        prism.footprint
+        for prism in apartment_solids(apartment)
+        if prism.bottom < high and prism.top > low
+    ]
+    return MultiPolygon(polygons(shapely.union_all(shapes)))
+
+
+def _prisms(region: shapely.Geometry, bottom: float, top: float, material: str) -> Iterator[Prism]:
+    """One prism for each polygon of a region; none where there is no height left."""
+    if top > bottom:
+        for polygon in polygons(region):
+            yield Prism(polygon, bottom, top, material)
+
+
+def _shell(apartment: Apartment) -> Iterator[Prism]:
+    """Walls, passages, windows, floors and ceilings."""
+    walls = wall_region(apartment)
+    top = max(room.ceiling_height for room in apartment.rooms) + SLAB
+    cuts = []
+    for passage in apartment.passages:
+        opening = place(apartment, passage.position, passage.width)
+        cut = _cut(opening, walls, lining_of(passage))
+        cuts.append(cut)
+        yield from _passage(apartment, passage, opening, cut, top)
+    for window in apartment.windows:
+        opening = place(apartment, window.position, window.width)
+        cut = _cut(opening, walls, 0.0)
+        cuts.append(cut)
+        yield from _prisms(cut, -SLAB, window.sill_height, WALL)
+        yield from _prisms(cut, window.head_height, top, WALL)
+        heights = (window.sill_height, window.head_height)
+        yield from _window_frame(opening, heights, window.frame)
+    holes = shapely.union_all(cuts)
+    yield from _prisms(walls.difference(holes), -SLAB, top, WALL)
+    for room in apartment.rooms:
+        yield from _slabs(room, walls.difference(holes), top)
+
+
+def _slabs(room: Room, solid: shapely.Geometry, top: float) -> Iterator[Prism]:
+    """Floor and ceiling of a room, reaching a little into the walls around it."""
+    shape = Polygon(room.polygon)
+    wide = shape.buffer(OVERLAP, join_style="mitre").intersection(solid).union(shape)
+    yield from _prisms(wide, -SLAB, 0.0, room.floor)
+    yield from _prisms(wide, room.ceiling_height, top, room.ceiling)
+
+
+def _passage(
+    apartment: Apartment, passage: Passage, opening: Opening, cut: shapely.Geometry, top: float
+) -> Iterator[Prism]:
+    """Floor, lintel or ceiling, frame and (closed) leaf of a passage."""
+    joined = [apartment.rooms[i] for i in passage_rooms(apartment, passage) if i is not None]
+    lowest = min(joined or apartment.rooms, key=lambda room: room.ceiling_height)
+    floor = (joined or apartment.rooms)[0].floor
+    yield from _prisms(cut, -SLAB, 0.0, floor)
+    height = lowest.ceiling_height
+    if passage.lintel_height is None or passage.lintel_height >= height:
+        # A skin of ceiling; above it wall, which shows where the other room is higher.
+        yield from _prisms(cut, height, height + 0.01, lowest.ceiling)
+        yield from _prisms(cut, height + 0.01, top, WALL)
+    else:
+        height = passage.lintel_height
+        yield from _prisms(cut, height + lining_of(passage), top, WALL)
+    if passage.frame is not None:
+        yield from _frame(passage, opening, height)
+    if passage.closed:
+        half = opening.width / 2
+        leaf = opening.rectangle((-half, half), (-LEAF / 2, LEAF / 2))
+        yield Prism(leaf, 0.0, height, "door_paint")
+
+
+def _frame(passage: Passage, opening: Opening, height: float) -> Iterator[Prism]:
+    """Lining inside the opening and casing on both wall faces; the head only under a lintel."""
+    frame = passage.frame
+    assert frame is not None
+    half, face, lining = opening.width / 2, opening.thickness / 2, lining_of(passage)
+    outer = half + frame.width
+    headed = passage.lintel_height == height
+    for a, b in ((-half - lining, -half), (half, half + lining)):
+        board = opening.rectangle((a, b), (-face, face))
+        yield Prism(board, 0.0, height + lining * headed, frame.material)
+    if headed:
+        board = opening.rectangle((-half, half), (-face, face))
+        yield Prism(board, height, height + lining, frame.material)
+    for c, d in ((-face - frame.depth, -face), (face, face + frame.depth)):
+        for a, b in ((-outer, -half), (half, outer)):
+            yield Prism(opening.rectangle((a, b), (c, d)), 0.0, height, frame.material)
+        if headed:
+            head = opening.rectangle((-outer, outer), (c, d))
+            yield Prism(head, height, height + frame.width, frame.material)
+
+
+def _window_frame(opening: Opening, heights: tuple[float, float], material: str) -> Iterator[Prism]:
+    """Bars around the opening in the middle of the wall, one more in wide windows."""
+    (sill, head), half, deep = heights, opening.width / 2, (-SASH / 2, SASH / 2)
+    if head - sill < 4 * SASH or half < 2 * SASH:
+        return
+    uprights = [(-half, -half + SASH), (half - SASH, half)]
+    if opening.width > 1.0:
+        uprights.append((-SASH / 2, SASH / 2))
+    for upright in uprights:
+        yield Prism(opening.rectangle(upright, deep), sill, head, material)
+    bar = opening.rectangle((-half + SASH, half - SASH), deep)
+    yield Prism(bar, sill, sill + SASH, material)
+    yield Prism(bar, head - SASH, head, material)
+
+
+def _contents(apartment: Apartment) -> Iterator[Prism]:
+    """Furniture and lamp bodies."""
+    for piece in apartment.furniture:
+        for part in piece_parts(piece):
+            yield Prism(part.footprint, part.bottom, part.top, part.slot)
+    for index in range(len(apartment.lamps)):
+        for part in lamp_parts(apartment, index):
+            yield Prism(part.footprint, part.bottom, part.top, part.slot)

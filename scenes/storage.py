@@ -1,0 +1,220 @@
+"""Apartments as JSON files: reading with one-line errors, writing without half files."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+import tempfile
+import typing
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from scenes.apartment import Apartment
+from scenes.checks import check
+from scenes.errors import SceneError
+
+__all__ = [
+    "apartment_from_json",
+    "apartment_to_json",
+    "load_apartment",
+    "reference_names",
+    "save_apartment",
+]
+
+LINE = 96
+"""Lists that fit in this many characters stay on one line of a file."""
+
+
+def reference_names() -> list[str]:
+    """Names of the built-in reference places, sorted."""
+    folder = resources.files("scenes").joinpath("reference")
+    names = [item.name for item in folder.iterdir() if item.name.endswith(".json")]
+    return sorted(name.removesuffix(".json") for name in names)
+
+
+def load_apartment(source: str | Path) -> Apartment:
+    """Read an apartment and check it.
+
+    Parameters
+    ----------
+    source : str or Path
+        A file, or the name of a reference place (`reference_names`). A name
+        with a path separator or ``.json`` in it is always a file.
+
+    Raises
+    ------
+    SceneError
+        If there is no such file or place, or what it says is not an
+        apartment; one line that names the file, the field and the value.
+    """
+    name = str(source)
+    if isinstance(source, str) and name in reference_names():
+        item = resources.files("scenes").joinpath("reference", f"{name}.json")
+        return apartment_from_json(item.read_text(encoding="utf-8"), origin=name)
+    try:
+        data = Path(source).read_bytes()
+    except FileNotFoundError:
+        known = ", ".join(reference_names()) or "none"
+        message = f"{name}: no such file, nor a reference place ({known})"
+        raise SceneError(message) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise SceneError(f"{name!r}: cannot be read: {reason}") from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        message = f"{name}: byte {error.start} is not UTF-8; expected a JSON text file"
+        raise SceneError(message) from None
+    return apartment_from_json(text, origin=name)
+
+
+def apartment_from_json(text: str, *, origin: str = "scene", checked: bool = True) -> Apartment:
+    """An apartment from its JSON text.
+
+    Parameters
+    ----------
+    text : str
+    origin : str
+        What errors call the text: its file name.
+    checked : bool
+        Whether to apply `scenes.checks.check` too.
+
+    Raises
+    ------
+    SceneError
+        If the text is not JSON, not an apartment, or an impossible one.
+    """
+    _parse(text, origin)
+    try:
+        apartment = Apartment.model_validate_json(text, strict=True)
+    except ValidationError as error:
+        raise SceneError(f"{origin}: {_describe(error)}") from None
+    if checked:
+        problems = list(check(apartment))
+        if problems:
+            raise SceneError(f"{origin}: {problems[0]}{_others(len(problems) - 1)}")
+    return apartment
+
+
+def apartment_to_json(apartment: Apartment) -> str:
+    """Canonical JSON text: all fields in the model's order, short lists on one line."""
+    return _format(apartment.model_dump(mode="json"), 0) + "\n"
+
+
+def save_apartment(apartment: Apartment, path: str | Path) -> None:
+    """Write an apartment; a crash leaves the old file or the new one, never half of it.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be written.
+    """
+    target = Path(path)
+    temporary = None
+    try:
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(apartment_to_json(apartment))
+            file.flush()
+            os.fsync(file.fileno())
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(target)
+    except OSError as error:
+        if temporary is not None:
+            Path(temporary).unlink(missing_ok=True)
+        raise SceneError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def _format(value: Any, indent: int) -> str:
+    """JSON text of a value whose first line is already indented."""
+    flat = json.dumps(value, ensure_ascii=False)
+    if not isinstance(value, dict | list) or not value:
+        return flat
+    if isinstance(value, list) and len(flat) + indent <= LINE and "{" not in flat:
+        return flat
+    pad = " " * (indent + 2)
+    if isinstance(value, list):
+        items = [_format(item, indent + 2) for item in value]
+        opening, closing = "[", "]"
+    else:
+        items = [f"{json.dumps(k)}: {_format(v, indent + 2)}" for k, v in value.items()]
+        opening, closing = "{", "}"
+    body = f",\n{pad}".join(items)
+    return f"{opening}\n{pad}{body}\n{' ' * indent}{closing}"
+
+
+def _parse(text: str, origin: str) -> None:
+    """Refuse what is not JSON, with its line and column, and fields given twice."""
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        seen: set[str] = set()
+        for key, _ in pairs:
+            if key in seen:
+                raise SceneError(f"{origin}: field {key!r} is given twice; expected once")
+            seen.add(key)
+        return dict(pairs)
+
+    def constant(name: str) -> Any:
+        raise SceneError(f"{origin}: {name} is not a JSON number; expected a finite one")
+
+    try:
+        json.loads(text, object_pairs_hook=unique, parse_constant=constant)
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno}, column {error.colno}"
+        raise SceneError(f"{origin}: {where}: not JSON: {error.msg}") from None
+    except (RecursionError, ValueError):
+        raise SceneError(f"{origin}: nested too deeply or a number too long") from None
+
+
+def _others(count: int) -> str:
+    return f" (and {count} more problem{'s' * (count > 1)})" if count else ""
+
+
+def _describe(error: ValidationError) -> str:
+    """The first fault of a validation error in one line."""
+    faults = error.errors(include_url=False)
+    first = faults[0]
+    place = _place(first["loc"]) or "the file"
+    if first["type"] == "extra_forbidden":
+        line = f"{place}: unknown field{_suggest(first['loc'])}"
+    elif first["type"] == "missing":
+        line = f"{place}: missing; expected a value"
+    else:
+        value = repr(first["input"])
+        value = value if len(value) <= 60 else value[:57] + "..."
+        line = f"{place}: {value}: {' '.join(first['msg'].split())}"
+    return line + _others(len(faults) - 1)
+
+
+def _place(loc: tuple[int | str, ...]) -> str:
+    """``rooms[0].polygon[2]`` from pydantic's location."""
+    text = ""
+    for item in loc:
+        text += f"[{item}]" if isinstance(item, int) else f".{item}"
+    return text.removeprefix(".")
+
+
+def _suggest(loc: tuple[int | str, ...]) -> str:
+    """What fields the unknown one's object has, the likeliest alone if there is one."""
+    model = _model_at(Apartment, loc[:-1])
+    if model is None:
+        return ""
+    fields = list(model.model_fields)
+    close = difflib.get_close_matches(str(loc[-1]), fields, n=1)
+    return f"; did you mean {close[0]!r}?" if close else f"; expected one of {', '.join(fields)}"
+
+
+def _model_at(annotation: Any, loc: tuple[int | str, ...]) -> type[BaseModel] | None:
+    """The model class that an annotation holds at a location."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        if not loc:
+            return annotation
+        field = annotation.model_fields.get(str(loc[0]))
+        return None if field is None else _model_at(field.annotation, loc[1:])
+    inner = loc if typing.get_origin(annotation) not in (tuple, dict) else loc[1:]
+    found = (_model_at(item, inner) for item in typing.get_args(annotation))
+    return next((model for model in found if model is not None), None)

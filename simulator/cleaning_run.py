@@ -1,0 +1,158 @@
+"""One cleaning run: from an apartment to a topo-metric map with its ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from dataset.errors import RoomsegError
+from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
+from scenes.apartment import Apartment
+from scenes.passages import room_borders
+from scenes.solids import obstacles
+from simulator.coverage import CoverageStrategy
+from simulator.laser import SensorSpec
+from simulator.robot import RobotSpec
+from simulator.vehicle import Vehicle
+from simulator.world import World
+
+__all__ = ["crosses_border", "simulate"]
+
+Floats = NDArray[np.float64]
+
+_FLOOR_GAP = 0.01
+"""What stands less than 1 cm high can be driven over, m."""
+
+
+def simulate(
+    apartment: Apartment,
+    *,
+    run: str = "run1",
+    seed: int = 0,
+    start: tuple[float, float, float] | None = None,
+    robot: RobotSpec | None = None,
+    sensor: SensorSpec | None = None,
+    created: str = "1970-01-01T00:00:00Z",
+    progress: Callable[[int, float], None] | None = None,
+) -> TopoMap:
+    """Clean an apartment once and return the map (§2.1, §3.1).
+
+    Parameters
+    ----------
+    apartment : Apartment
+    run : str
+        Name of the run in the map.
+    seed : int
+        Of all noise; the same seed gives the same map.
+    start : tuple of float, optional
+        x m, y m, heading rad of the base; default: the apartment's.
+    robot, sensor : optional
+        Settings.
+    created : str
+        ISO date to write into the map. Fixed by default, as a clock would make
+        the same seed give different bytes.
+    progress : callable, optional
+        Called with (nodes, simulated seconds) after every lane.
+
+    Raises
+    ------
+    RoomsegError
+        If the base does not fit where it is put.
+    """
+    robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
+    world = World(obstacles(apartment, low=_FLOOR_GAP, high=robot.height))
+    pose = _start_pose(apartment, start)
+    if not world.is_free(pose[:2], robot.radius):
+        raise RoomsegError(
+            f"{apartment.name}: start.position ({pose[0]:g}, {pose[1]:g}) is nearer than "
+            f"{robot.radius:g} m to an obstacle, expected free floor"
+        )
+    vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
+    CoverageStrategy(vehicle, progress).run()
+    return _as_map(apartment, vehicle, run=run, seed=seed, created=created)
+
+
+def crosses_border(positions: Floats, edges: NDArray[np.int32], borders: Floats) -> NDArray[np.bool_]:
+    """Edges that cross any border segment (§3.1.1).
+
+    Parameters
+    ----------
+    positions : array, shape (n, 2)
+        Node positions in the borders' frame, m.
+    edges : array, shape (e, 2)
+    borders : array, shape (b, 2, 2)
+        m.
+
+    Returns
+    -------
+    array of bool, shape (e,)
+    """
+    crossed = np.zeros(len(edges), np.bool_)
+    if len(edges) and len(borders):
+        tree = shapely.STRtree(shapely.linestrings(borders))
+        lines = shapely.linestrings(positions[edges])
+        crossed[tree.query(lines, predicate="intersects")[0]] = True
+    return crossed
+
+
+def _start_pose(apartment: Apartment, start: tuple[float, float, float] | None) -> Floats:
+    if start is not None:
+        return np.array(start, dtype=np.float64)
+    base = apartment.start
+    return np.array([*base.position, np.radians(base.heading_deg)])
+
+
+def _as_map(apartment: Apartment, vehicle: Vehicle, *, run: str, seed: int, created: str) -> TopoMap:
+    graph = vehicle.graph
+    edges = np.array(sorted(set(graph.edges)), dtype=np.int32).reshape(-1, 2)
+    visits = sorted(graph.visits)
+    truth = graph.true_pose.copy()
+    return TopoMap(
+        environment=apartment.name,
+        run=run,
+        seed=seed,
+        created=created,
+        software=_software(),
+        nodes=Nodes(
+            position=graph.position.copy(),
+            heading=graph.estimate[:, 2].copy(),
+            part=np.array(graph.part, dtype=np.int32),
+            lane=np.array(graph.lane, dtype=np.int32),
+            true_pose=truth,
+        ),
+        edges=edges,
+        visits=Visits(
+            node=np.array([node for _, node in visits], dtype=np.int32),
+            time=np.array([time for time, _ in visits]),
+        ),
+        obstacles=vehicle.obstacles(),
+        robot_radius=vehicle.robot.radius,
+        path=vehicle.path(),
+        ground_truth=_ground_truth(apartment, truth[:, :2], edges),
+        scene=apartment.model_dump_json(),
+    )
+
+
+def _ground_truth(apartment: Apartment, positions: Floats, edges: NDArray[np.int32]) -> GroundTruth:
+    """Borders of the plan, the edges that cross them, and how many rooms have nodes."""
+    borders = np.asarray(room_borders(apartment), dtype=np.float64).reshape(-1, 2, 2)
+    rooms = shapely.polygons([shapely.linearrings(room.polygon) for room in apartment.rooms])
+    points = shapely.points(positions)
+    visited = [bool(shapely.contains(room, points).any()) for room in rooms]
+    return GroundTruth(
+        borders=borders,
+        frame="scene",
+        edge_is_border=crosses_border(positions, edges, borders),
+        room_count=max(1, sum(visited)),
+    )
+
+
+def _software() -> str:
+    try:
+        return f"roomseg {version('roomseg')}"
+    except PackageNotFoundError:
+        return "roomseg"

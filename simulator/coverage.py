@@ -1,0 +1,355 @@
+"""The cleaning strategy: lanes, parts, piercing lanes, and home (§2.1).
+
+What the paper says: drive along parallel lanes; after each lane try to add a
+parallel one in the opposite direction; when none can be added, begin a new part
+with a lane along the boundary of what is covered; pierce narrow passages; use
+the map to get to the next lane and home.
+
+What we chose: a part grows to one side of its first lane, so that lane k - 1
+is always the neighbour of lane k (Algorithm 1); the other side becomes a part
+of its own. The next lane begins beside the old lane's end. Where free floor is
+seen beyond, the robot first drives on there without making nodes, so that the
+lane is complete. A lane ends at an obstacle or where the floor ahead is covered.
+Places that could not be reached are remembered as tried and not tried again:
+every attempt adds a node or uses up a place, so the run ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.alignment import wall_heading
+from simulator.frontier import Entrance, Frontier, find_frontiers, free_run, propose_entrance
+from simulator.pilot import End, Pilot, direction
+from simulator.robot import wrap
+from simulator.vehicle import Vehicle
+
+__all__ = ["CoverageStrategy", "Lane"]
+
+Floats = NDArray[np.float64]
+
+_FAR = 100.0
+
+
+@dataclass(frozen=True)
+class Lane:
+    """A driven lane: nodes first..last, its part, and the heading it was driven in."""
+
+    first: int
+    last: int
+    part: int
+    heading: float
+
+
+@dataclass(frozen=True)
+class _Neighbour:
+    """Where the next lane of a part begins: leave ``node``, enter at ``point``."""
+
+    node: int
+    point: Floats
+
+
+class CoverageStrategy:
+    """Decides from the map what to drive next.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Standing at the base.
+    progress : callable, optional
+        Called with (nodes, simulated seconds) after every lane.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, progress: Callable[[int, float], None] | None = None
+    ) -> None:
+        self.vehicle = vehicle
+        self.pilot = Pilot(vehicle)
+        self.robot = vehicle.robot
+        self._progress = progress
+        self._clearance = vehicle.robot.radius - vehicle.robot.caution
+        self._tried: list[Floats] = []
+        self._lanes = 0
+        self._parts = 0
+
+    def run(self) -> None:
+        """Cover everything that can be reached, then return to the base."""
+        lane = self._first_lane()
+        for caution in (self.robot.caution, self.robot.last_caution):
+            self._clearance = self.robot.radius - caution
+            self._tried.clear()
+            while lane is not None:
+                self._meander(lane)
+                lane = self._new_part()
+            lane = self._new_part()
+        self.pilot.travel(0)
+
+    def _first_lane(self) -> Lane | None:
+        """Look around, then drive a lane from the base along the walls in sight."""
+        self.pilot.spin()
+        heading = float(self.vehicle.estimate[2])
+        if self.robot.align_to_walls:
+            heading = wall_heading(self.vehicle.obstacles().position, heading)
+        self.pilot.turn_to(heading)
+        self._parts = 1
+        return self._drive_lane(heading, part=0)
+
+    # -- lanes of one part ---------------------------------------------------------------
+
+    def _meander(self, lane: Lane) -> None:
+        """Add parallel lanes on one side until none can be added."""
+        left = self._neighbour(lane, +1)
+        right = self._neighbour(lane, -1)
+        if left is None and right is None:
+            return
+        side = 1 if right is None else -1
+        if left is not None and right is not None:
+            side = self._wider_side(lane, left, right)
+        while True:
+            found = self._neighbour(lane, side)
+            if found is None:
+                return
+            following = self._add_parallel(lane, found)
+            if following is not None:
+                # Driven the other way, the same side of the floor is the other hand.
+                side = -side if abs(wrap(following.heading - lane.heading)) > 1.0 else side
+                lane = following
+
+    def _wider_side(self, lane: Lane, left: _Neighbour, right: _Neighbour) -> int:
+        """+1 if there is more seen free floor to the left of the lane, else -1."""
+        points = np.stack([left.point, right.point])
+        runs = [
+            free_run(
+                self.vehicle.grid,
+                self.vehicle.graph.position,
+                points[k : k + 1],
+                lane.heading + side * 0.5 * np.pi,
+                self.robot,
+                self._clearance,
+            )[0]
+            for k, side in ((0, 1), (1, -1))
+        ]
+        return 1 if runs[0] >= runs[1] else -1
+
+    def _neighbour(self, lane: Lane, side: int) -> _Neighbour | None:
+        """The best start beside a lane, at its left (+1) or right (-1)."""
+        nominal, tight = self.robot.lane_spacing, self.robot.squeeze_spacing
+        for spacing in (nominal, 0.5 * (nominal + tight), tight):
+            found = self._neighbour_at(lane, side, spacing)
+            if found is not None:
+                return found
+        return None
+
+    def _neighbour_at(self, lane: Lane, side: int, spacing: float) -> _Neighbour | None:
+        along = direction(lane.heading)
+        normal = side * np.array([-along[1], along[0]])
+        nodes = np.arange(lane.first, lane.last + 1)
+        old = self.vehicle.graph.position[nodes]
+        # One straight line, not a copy of the old lane's wobble.
+        across = float((old @ normal).mean()) + spacing
+        points = (old @ along)[:, None] * along + across * normal
+        valid = self._is_uncovered(points, spacing)
+        for k in np.flatnonzero(valid)[::-1]:
+            if not self.pilot.can_drive(old[k], points[k], self._clearance):
+                continue
+            if self._length_through(points[k], lane.heading) >= self.robot.minimum_lane:
+                return _Neighbour(int(nodes[k]), points[k])
+        return None
+
+    def _is_uncovered(self, points: Floats, spacing: float) -> NDArray[np.bool_]:
+        """Open for the centre, away from nodes, and not tried before."""
+        valid = self.vehicle.grid.is_open(points, self._clearance)
+        limit = min(self.robot.cover_radius, spacing - 0.05)
+        valid &= self.vehicle.graph.distances(points) > limit
+        if self._tried:
+            gap = points[:, None] - np.array(self._tried)[None]
+            valid &= np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > 0.1
+        return valid
+
+    def _length_through(self, point: Floats, heading: float) -> float:
+        """Seen free length of a lane through a point, m."""
+        nodes = self.vehicle.graph.position
+        runs = [
+            free_run(
+                self.vehicle.grid, nodes, point[None], heading + turn, self.robot, self._clearance
+            )[0]
+            for turn in (0.0, np.pi)
+        ]
+        return float(sum(runs))
+
+    def _add_parallel(self, lane: Lane, start: _Neighbour) -> Lane | None:
+        """Drive the lane beside ``lane``; None if it could not be begun."""
+        if not self._enter(start.node, start.point):
+            return None
+        return self._lane_through(start.point, lane.heading, lane.part)
+
+    # -- new parts -----------------------------------------------------------------------
+
+    def _new_part(self) -> Lane | None:
+        """Begin a part at the nearest frontier; None if there is none left."""
+        while True:
+            entrance = self._nearest_entrance()
+            if entrance is None:
+                return None
+            lane = None
+            if self._enter(entrance.node, entrance.point):
+                lane = self._begin_part(entrance)
+            if lane is not None:
+                self._parts += 1
+                return lane
+            self._tried.append(entrance.point)
+
+    def _begin_part(self, entrance: Entrance) -> Lane | None:
+        if entrance.piercing:
+            self.pilot.turn_to(entrance.heading)
+            return self._drive_lane(entrance.heading, self._parts, piercing=True)
+        return self._lane_through(entrance.point, entrance.heading, self._parts)
+
+    def _nearest_entrance(self) -> Entrance | None:
+        """The entrance to the frontier that is nearest by the map's paths."""
+        graph, grid = self.vehicle.graph, self.vehicle.grid
+        tried = np.array(self._tried).reshape(-1, 2)
+        while True:
+            frontiers = find_frontiers(grid, graph.position, tried, self.robot, self._clearance)
+            if not frontiers:
+                return None
+            length, _ = graph.routes(self.pilot.current_node())
+            for frontier in sorted(frontiers, key=lambda f: self._way(f, length)):
+                axis = float(graph.estimate[frontier.node[0], 2])
+                entrance = propose_entrance(
+                    grid, graph.position, frontier, axis, self.robot, self._clearance
+                )
+                if entrance is not None:
+                    return entrance
+                self._tried.extend(frontier.points[::4])
+            tried = np.array(self._tried).reshape(-1, 2)
+
+    @staticmethod
+    def _way(frontier: Frontier, length: Floats) -> float:
+        return float((length[frontier.node] + frontier.distance).min())
+
+    # -- driving lanes -------------------------------------------------------------------
+
+    def _enter(self, node: int, point: Floats) -> bool:
+        """Leave the map at ``node`` and drive to ``point``; remember a failure."""
+        pilot = self.pilot
+        direct = float(np.hypot(*(point - pilot.position))) < 2.0 * self.robot.lane_spacing
+        if direct and pilot.can_drive(pilot.position, point, self.robot.radius):
+            if pilot.drive_to(point):
+                return True
+        if pilot.travel(node) and pilot.drive_to(point):
+            return True
+        if float(np.hypot(*(point - pilot.position))) < 0.1:
+            return True
+        self._tried.append(point)
+        return False
+
+    def _lane_through(self, point: Floats, heading: float, part: int) -> Lane | None:
+        """Complete a lane: on along ``heading`` without nodes, then back with nodes."""
+        along = direction(heading)
+        start = point + float((self.pilot.position - point) @ along) * along
+        self.pilot.turn_to(heading)
+        self.pilot.follow(heading, _FAR, start=start, stop=self._is_covered_ahead)
+        self.pilot.turn_to(heading + np.pi)
+        return self._drive_lane(wrap(heading + np.pi), part, line=point)
+
+    def _drive_lane(
+        self, heading: float, part: int, *, line: Floats | None = None, piercing: bool = False
+    ) -> Lane | None:
+        """Drive a lane from here, a node every 10 cm; None if it came to nothing."""
+        vehicle = self.vehicle
+        lane, first = self._lanes, len(vehicle.graph)
+        vehicle.lane = lane
+        start = self.pilot.position.copy()
+        along = direction(heading)
+        self._make_node(part)
+
+        def stop() -> bool:
+            progress = float((self.pilot.position - start) @ along)
+            made = len(vehicle.graph) - first
+            if progress >= made * self.robot.node_spacing - 0.005:
+                self._make_node(part)
+                return piercing and self._has_opened(heading)
+            return self._is_covered_ahead()
+
+        base = start if line is None else line + float((start - line) @ along) * along
+        end = self.pilot.follow(heading, _FAR, start=base, stop=stop)
+        if end is End.CONTACT:
+            self.pilot.back_off()
+        vehicle.lane = -1
+        return self._finish_lane(first, part, heading)
+
+    def _finish_lane(self, first: int, part: int, heading: float) -> Lane | None:
+        """Join the lane to the map, or forget it if nothing joins it."""
+        graph = self.vehicle.graph
+        if first > 0 and not any(a < first <= b for a, b in graph.edges):
+            if not self._join(first):
+                self._tried.extend(graph.position[first:].copy())
+                graph.remove_from(first)
+                return None
+        self._lanes += 1
+        if self._progress is not None:
+            self._progress(len(graph), self.vehicle.time)
+        return Lane(first, len(graph) - 1, part, heading)
+
+    def _join(self, first: int) -> bool:
+        """Add the shortest direct edge between older nodes and those from ``first`` on."""
+        graph = self.vehicle.graph
+        pairs = [
+            (float(np.hypot(*(graph.position[old] - graph.position[new]))), int(old), new)
+            for new in range(first, len(graph))
+            for old in graph.within(graph.position[new], 2.0 * self.robot.lane_spacing)
+            if old < first
+        ]
+        for _, old, new in sorted(pairs):
+            here, there = graph.position[old], graph.position[new]
+            if self.pilot.can_drive(here, there, self.robot.edge_clearance):
+                graph.add_edge(old, new)
+                return True
+        return False
+
+    def _make_node(self, part: int) -> None:
+        """A node where the robot stands, with edges to all adjacent nodes (Fig. 4).
+
+        Within a lane only consecutive nodes are joined: Algorithm 1 removes
+        nothing there, so longer edges would survive it.
+        """
+        graph, lane = self.vehicle.graph, self.vehicle.lane
+        node = self.vehicle.add_node(part, lane)
+        here = graph.position[node]
+        for other in graph.within(here, self.robot.edge_radius):
+            if other == node or (graph.lane[other] == lane and other != node - 1):
+                continue
+            in_lane = graph.lane[other] == lane
+            there = graph.position[other]
+            if in_lane or self.pilot.can_drive(here, there, self.robot.edge_clearance):
+                graph.add_edge(int(other), node)
+
+    def _is_covered_ahead(self) -> bool:
+        """Whether older nodes already cover what lies one node spacing ahead."""
+        pose = self.vehicle.estimate
+        ahead = pose[:2] + self.robot.node_spacing * direction(pose[2])
+        graph = self.vehicle.graph
+        skip = self.vehicle.lane
+        now, then = graph.distances(np.stack([pose[:2], ahead]), skip_lane=skip)
+        return bool(then < self.robot.overlap_radius and then < now)
+
+    def _has_opened(self, heading: float) -> bool:
+        """Whether a piercing lane has come out of the narrow passage."""
+        nodes = np.zeros((0, 2))
+        room = [
+            free_run(
+                self.vehicle.grid,
+                nodes,
+                self.pilot.position[None],
+                heading + turn,
+                self.robot,
+                self._clearance,
+            )[0]
+            for turn in (0.5 * np.pi, -0.5 * np.pi)
+        ]
+        return bool(min(room) >= self.robot.piercing_opening)

@@ -1,0 +1,155 @@
+"""Where the map ends: uncovered places beside the covered area (§2.1).
+
+The paper: a new part begins with a lane along the boundary of the previously
+covered area; a piercing lane leads through a narrow passage. It does not say
+how either is found. Here: the uncovered cells of the robot's own grid that its
+centre may stand in fall into connected components; each is entered from a
+node beside it, the outward axis being the part's own axis or its normal,
+whichever points there. The room for the centre across the outward axis is the
+width of the entrance: below ``piercing_width`` the lane pierces outward,
+otherwise it follows the boundary.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from simulator.gridmap import CELL, GridMap
+from simulator.robot import RobotSpec
+
+__all__ = ["Entrance", "Frontier", "find_frontiers", "free_run", "propose_entrance"]
+
+Floats = NDArray[np.float64]
+
+_STEP = 0.05
+_RUN_LIMIT = 4.0
+
+
+@dataclass(frozen=True)
+class Frontier:
+    """An uncovered component: its cells beside nodes (m, 2), nearest node of each, distance."""
+
+    points: Floats
+    node: NDArray[np.int64]
+    distance: Floats
+
+
+@dataclass(frozen=True)
+class Entrance:
+    """How to begin a new part.
+
+    ``node``: where the map is left; ``point``: where the lane is entered;
+    ``heading``: of the lane's way out to its nearer end (or of the piercing lane).
+    """
+
+    node: int
+    point: Floats
+    heading: float
+    piercing: bool
+
+
+def find_frontiers(
+    grid: GridMap, nodes: Floats, tried: Floats, spec: RobotSpec, clearance: float
+) -> list[Frontier]:
+    """Uncovered components worth a part, as seen from the nodes (n, 2)."""
+    cells = np.argwhere(grid.open_cells(clearance))
+    points = grid.centres(cells)
+    tree = cKDTree(nodes)
+    distance, _ = tree.query(points, distance_upper_bound=spec.cover_radius)
+    open_ = ~(distance <= spec.cover_radius)
+    if len(tried):
+        near, _ = cKDTree(tried).query(points, distance_upper_bound=0.1)
+        open_ &= ~np.isfinite(near)
+    mask = np.zeros(grid.seen.shape, np.uint8)
+    mask[tuple(cells[open_].T)] = 1
+    count, labels = cv2.connectedComponents(mask, connectivity=4)
+    label = labels[tuple(cells.T)]
+    deep, node = tree.query(points[open_])
+    label, points = label[open_], points[open_]
+    area = np.bincount(label, minlength=count) * CELL**2
+    depth = np.zeros(count)
+    np.maximum.at(depth, label, deep)
+    worth = (area >= spec.frontier_area) & (depth >= spec.cover_radius + spec.frontier_depth)
+    frontiers = []
+    for k in np.flatnonzero(worth):
+        mine = np.flatnonzero((label == k) & (deep <= spec.lane_spacing + 0.05))
+        if len(mine):
+            frontiers.append(Frontier(points[mine], node[mine], deep[mine]))
+    return frontiers
+
+
+def free_run(
+    grid: GridMap,
+    nodes: Floats,
+    points: Floats,
+    heading: float,
+    spec: RobotSpec,
+    clearance: float,
+) -> Floats:
+    """How far the centre may go from each point along a heading, uncovered and seen.
+
+    Parameters
+    ----------
+    points : array, shape (m, 2)
+
+    Returns
+    -------
+    array, shape (m,)
+        m, in steps of 5 cm, at most 4 m.
+    """
+    steps = np.arange(_STEP, _RUN_LIMIT, _STEP)
+    unit = np.array([np.cos(heading), np.sin(heading)])
+    samples = (points[:, None] + steps[:, None] * unit).reshape(-1, 2)
+    distance, _ = cKDTree(nodes).query(samples, distance_upper_bound=spec.overlap_radius)
+    free = ~(distance <= spec.overlap_radius) & grid.is_seen(samples)
+    index = np.flatnonzero(free)
+    blocked = grid.blocked_points(samples.min(axis=0), samples.max(axis=0), clearance)
+    if len(blocked) and len(index):
+        gap, _ = cKDTree(blocked).query(samples[index], distance_upper_bound=clearance)
+        free[index] &= ~np.isfinite(gap)
+    free = free.reshape(len(points), len(steps))
+    first = np.where(free.all(axis=1), len(steps), free.argmin(axis=1))
+    return np.asarray(first * _STEP)
+
+
+def propose_entrance(
+    grid: GridMap,
+    nodes: Floats,
+    frontier: Frontier,
+    axis: float,
+    spec: RobotSpec,
+    clearance: float,
+) -> Entrance | None:
+    """The best way into one frontier, or None if none can be driven.
+
+    Parameters
+    ----------
+    axis : float
+        Lane heading of the neighbouring part, rad.
+    """
+    order = np.argsort(np.abs(frontier.distance - spec.lane_spacing), kind="stable")
+    order = order[:: max(1, len(order) // 60)][:60]
+    points, node = frontier.points[order], frontier.node[order]
+    reach = [grid.is_clear(nodes[k], p, clearance) for k, p in zip(node, points, strict=True)]
+    points, node = points[reach], node[reach]
+    if len(points) == 0:
+        return None
+    headings = axis + 0.5 * np.pi * np.arange(4)
+    runs = np.stack([free_run(grid, nodes, points, h, spec, clearance) for h in headings], axis=1)
+    units = np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    outward = ((points - nodes[node]) @ units.T).argmax(axis=1)
+    rows = np.arange(len(points))
+    left, right = runs[rows, (outward + 1) % 4], runs[rows, (outward + 3) % 4]
+    width = left + right
+    if width.max() >= spec.piercing_width:
+        best = int(width.argmax())
+        nearer = 1 if left[best] <= right[best] else 3
+        heading = headings[(outward[best] + nearer) % 4]
+        return Entrance(int(node[best]), points[best], float(heading), piercing=False)
+    best = int(runs[rows, outward].argmax())
+    return Entrance(int(node[best]), points[best], float(headings[outward[best]]), piercing=True)

@@ -1,0 +1,113 @@
+"""The topo-metric map while it grows: nodes, edges, visits, shortest paths (§2.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+__all__ = ["MapGraph"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class MapGraph:
+    """Growing arrays; node k is row k of everything."""
+
+    def __init__(self) -> None:
+        self._estimate = np.zeros((256, 3))
+        self._true_pose = np.zeros((256, 3))
+        self.part: list[int] = []
+        self.lane: list[int] = []
+        self.edges: list[tuple[int, int]] = []
+        self.visits: list[tuple[float, int]] = []
+        self._near: set[int] = set()
+
+    def __len__(self) -> int:
+        return len(self.part)
+
+    @property
+    def estimate(self) -> Floats:
+        """Pose estimates of all nodes, shape (n, 3), m, m, rad."""
+        return self._estimate[: len(self)]
+
+    @property
+    def position(self) -> Floats:
+        """Position estimates of all nodes, shape (n, 2), m."""
+        return self._estimate[: len(self), :2]
+
+    @property
+    def true_pose(self) -> Floats:
+        """True poses of all nodes, shape (n, 3); for the physics and the record only."""
+        return self._true_pose[: len(self)]
+
+    def add_node(
+        self, estimate: Floats, true_pose: Floats, part: int, lane: int, time: float
+    ) -> int:
+        """Append a node, visited now; returns its index."""
+        node = len(self)
+        if node == len(self._estimate):
+            self._estimate = np.concatenate([self._estimate, np.zeros_like(self._estimate)])
+            self._true_pose = np.concatenate([self._true_pose, np.zeros_like(self._true_pose)])
+        self._estimate[node] = estimate
+        self._true_pose[node] = true_pose
+        self.part.append(part)
+        self.lane.append(lane)
+        self.visits.append((time, node))
+        self._near.add(node)
+        return node
+
+    def add_edge(self, a: int, b: int) -> None:
+        """Join two nodes."""
+        self.edges.append((min(a, b), max(a, b)))
+
+    def remove_from(self, first: int) -> None:
+        """Forget the nodes from ``first`` on."""
+        del self.part[first:]
+        del self.lane[first:]
+        self.edges = [edge for edge in self.edges if edge[1] < first]
+        self.visits = [visit for visit in self.visits if visit[1] < first]
+        self._near = {node for node in self._near if node < first}
+
+    def visit(self, estimate: Floats, time: float, radius: float) -> None:
+        """Record a visit of every node whose neighbourhood the robot now enters."""
+        gap = self.position - estimate[:2]
+        near = set(np.flatnonzero((gap * gap).sum(axis=1) <= radius**2).tolist())
+        self.visits.extend((time, node) for node in sorted(near - self._near))
+        self._near = near
+
+    def distances(self, points: Floats, skip_lane: int = -1) -> Floats:
+        """Distance of points (m, 2) to the nearest node outside ``skip_lane``, m."""
+        nodes = self.position
+        if skip_lane >= 0:
+            nodes = nodes[np.asarray(self.lane) != skip_lane]
+        if len(nodes) == 0:
+            return np.full(len(points), np.inf)
+        gap = points[:, None] - nodes[None]
+        return np.asarray(np.sqrt((gap * gap).sum(axis=2).min(axis=1)))
+
+    def within(self, point: Floats, radius: float) -> NDArray[np.int64]:
+        """Nodes at most ``radius`` m from ``point``, nearest first."""
+        gap = self.position - point[:2]
+        squared = (gap * gap).sum(axis=1)
+        near = np.flatnonzero(squared <= radius**2)
+        return near[np.argsort(squared[near], kind="stable")]
+
+    def weights(self) -> csr_array:
+        """Sparse matrix of edge lengths, m, shape (n, n)."""
+        n = len(self)
+        if not self.edges:
+            return csr_array((n, n))
+        a, b = np.array(self.edges).T
+        length = np.linalg.norm(self.position[a] - self.position[b], axis=1) + 1e-6
+        return csr_array((length, (a, b)), shape=(n, n))
+
+    def routes(self, start: int) -> tuple[Floats, Ints]:
+        """Dijkstra from ``start``: path length to every node, m, and predecessors."""
+        return dijkstra(self.weights(), directed=False, indices=start, return_predecessors=True)
+
+    def is_connected(self) -> bool:
+        """Whether every node can be reached over edges."""
+        return bool(connected_components(self.weights(), directed=False)[0] <= 1)

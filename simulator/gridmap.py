@@ -1,0 +1,155 @@
+"""The robot's own local occupancy grid, in the frame of its estimate.
+
+Every laser point and bumper contact is evidence for an obstacle in its cell,
+every beam that passes is evidence against, and cells that a beam or the body
+has passed are *seen*. The robot plans on seen cells only: it never drives into
+the unknown on purpose, and it knows nothing but what it has sensed. The grid
+grows with the map. It is used locally only, as the map has no global
+consistency.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["CELL", "GridMap"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+CELL = 0.025
+"""m."""
+
+_BLOCK = 128
+"""The grid grows by this many cells."""
+
+_HIT, _PASS, _CONTACT = 2, 1, 8
+_LOW, _HIGH, _BLOCKED = -2, 8, 2
+_SHY = 0.06
+"""A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
+
+
+class GridMap:
+    """Evidence and seen cells around the driven track.
+
+    Parameters
+    ----------
+    origin : array, shape (2,)
+        A point that the map is begun around, m.
+    """
+
+    def __init__(self, origin: Floats) -> None:
+        self.corner: Floats = np.floor(np.asarray(origin[:2]) / CELL) * CELL - _BLOCK * CELL
+        shape = (2 * _BLOCK, 2 * _BLOCK)
+        self.evidence = np.zeros(shape, np.int8)
+        self.seen = np.zeros(shape, np.bool_)
+
+    def cells(self, points: Floats) -> NDArray[np.int64]:
+        """Cell indices (x, y) of points (n, 2) m, shape (n, 2)."""
+        return np.floor((points - self.corner) / CELL).astype(np.int64)
+
+    def centres(self, cells: NDArray[np.int64]) -> Floats:
+        """Cell centres, m, shape (n, 2)."""
+        return self.corner + (cells + 0.5) * CELL
+
+    def add_scan(self, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
+        """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m)."""
+        self._hold(pose[:2], 1.3)
+        hit = np.isfinite(ranges)
+        reach = np.where(hit, ranges - _SHY, free)
+        steps = np.arange(0.5 * CELL, 1.0, CELL)
+        beam, step = np.nonzero(steps[None, :] < reach[:, None])
+        direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        passed = self.cells(pose[:2] + steps[step, None] * direction[beam])
+        x, y = passed[:, 0], passed[:, 1]
+        self.seen[x, y] = True
+        self.evidence[x, y] = np.maximum(self.evidence[x, y] - _PASS, _LOW)
+        self._mark(pose[:2] + ranges[hit, None] * direction[hit], _HIT)
+
+    def add_contact(self, pose: Floats, bearing: float, radius: float) -> None:
+        """Enter a bumper contact at ``bearing`` rad from the heading."""
+        angle = pose[2] + bearing
+        point = pose[:2] + radius * np.array([np.cos(angle), np.sin(angle)])
+        self._mark(point[None], _CONTACT)
+
+    def add_body(self, pose: Floats, radius: float) -> None:
+        """The body stands here: its disc is seen and, but for its rim, free."""
+        self._hold(pose[:2], 1.3)
+        low, patch = self._patch(pose[:2], pose[:2], radius)
+        centres = self.corner + (low + np.stack(np.indices(patch), axis=-1) + 0.5) * CELL
+        inside = np.hypot(centres[..., 0] - pose[0], centres[..., 1] - pose[1]) < radius - 0.03
+        window = np.s_[low[0] : low[0] + patch[0], low[1] : low[1] + patch[1]]
+        self.seen[window] |= inside
+        self.evidence[window][inside] = _LOW
+
+    def blocked_points(self, low: Floats, high: Floats, margin: float) -> Floats:
+        """Centres of blocked cells in a box widened by ``margin``, m, shape (k, 2)."""
+        corner, patch = self._patch(low, high, margin)
+        window = self.evidence[corner[0] : corner[0] + patch[0], corner[1] : corner[1] + patch[1]]
+        return self.centres(np.argwhere(window >= _BLOCKED) + corner)
+
+    def clearance(self, points: Floats, limit: float = 0.3) -> Floats:
+        """Distance from points (n, 2) to the nearest known obstacle, m, at most ``limit``."""
+        if len(points) == 0:
+            return np.zeros(0)
+        blocked = self.blocked_points(points.min(axis=0), points.max(axis=0), limit)
+        if len(blocked) == 0:
+            return np.full(len(points), limit)
+        gap = points[:, None] - blocked[None]
+        return np.minimum(np.sqrt((gap * gap).sum(axis=2).min(axis=1)), limit)
+
+    def is_seen(self, points: Floats) -> Bools:
+        """Whether each point (n, 2) lies in a seen cell."""
+        cells = self.cells(points)
+        inside = ((cells >= 0) & (cells < self.seen.shape)).all(axis=1)
+        x, y = np.where(inside[:, None], cells, 0).T
+        return np.asarray(inside & self.seen[x, y])
+
+    def is_open(self, points: Floats, clearance: float) -> Bools:
+        """Whether the centre may stand at points (n, 2): seen, nothing known near."""
+        return np.asarray(self.is_seen(points) & (self.clearance(points) >= clearance))
+
+    def is_clear(self, start: Floats, end: Floats, clearance: float) -> bool:
+        """Whether no known obstacle is nearer than ``clearance`` m to a segment."""
+        blocked = self.blocked_points(
+            np.minimum(start, end), np.maximum(start, end), clearance + CELL
+        )
+        if len(blocked) == 0:
+            return True
+        along = end - start
+        to_point = blocked - start
+        share = to_point @ along / max(float(along @ along), 1e-12)
+        gap = to_point - np.clip(share, 0.0, 1.0)[:, None] * along
+        return bool((gap * gap).sum(axis=1).min() >= clearance**2)
+
+    def open_cells(self, clearance: float) -> Bools:
+        """All cells that the centre may stand in, shape of the grid."""
+        free = (self.evidence < _BLOCKED).astype(np.uint8)
+        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL
+        return np.asarray(self.seen & (distance >= clearance))
+
+    def _mark(self, points: Floats, weight: int) -> None:
+        x, y = self.cells(points).T
+        self.evidence[x, y] = np.minimum(np.maximum(self.evidence[x, y], 0) + weight, _HIGH)
+
+    def _patch(
+        self, low: Floats, high: Floats, margin: float
+    ) -> tuple[NDArray[np.int64], tuple[int, int]]:
+        """First cell and shape of the part of the grid that covers a box."""
+        box = self.cells(np.stack([low - margin, high + margin]))
+        box = np.clip(box, 0, np.array(self.seen.shape) - 1)
+        size = box[1] - box[0] + 1
+        return box[0], (int(size[0]), int(size[1]))
+
+    def _hold(self, point: Floats, margin: float) -> None:
+        """Grow until everything within ``margin`` m of ``point`` is on the grid."""
+        box = self.cells(np.stack([point - margin, point + margin]))
+        before = np.where(box[0] < 0, _BLOCK, 0)
+        after = np.where(box[1] >= self.seen.shape, _BLOCK, 0)
+        if before.any() or after.any():
+            pads = tuple(zip(before.tolist(), after.tolist(), strict=True))
+            self.evidence = np.pad(self.evidence, pads)
+            self.seen = np.pad(self.seen, pads)
+            self.corner = self.corner - before * CELL

@@ -1,0 +1,126 @@
+"""Eight laser beams seen by the camera: sparse, short, noisy ranges (§2.2.2).
+
+What the paper says: eight diodes on the chassis, found by the camera, detection
+up to 1 m, low refresh rate, sparse incorrect measurements. What it leaves open:
+bearings (here every 45°, the first ahead), rate, noise, drop-outs and false
+ranges. A camera triangulates the spot, so the error grows with the square of
+the range. A missing spot cannot be told from a spot out of range.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["SensorSpec", "cast_beams", "measure"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SensorSpec:
+    """Laser settings; SI units.
+
+    Attributes
+    ----------
+    beams : int
+        Evenly spaced bearings, the first one straight ahead.
+    maximum_range : float
+        From the robot's centre, m.
+    period : float
+        Time between two measurements, s.
+    range_noise, range_noise_quadratic : float
+        Standard deviation a + b·range², m.
+    dropout : float
+        Share of measurements that are missing (dark or shiny surfaces).
+    false_rate : float
+        Share of measurements with a wrong, uniformly distributed range.
+    bumper_noise : float
+        Error of the contact's bearing, rad.
+    """
+
+    beams: int = 8
+    maximum_range: float = 1.0
+    period: float = 0.2
+    range_noise: float = 0.004
+    range_noise_quadratic: float = 0.012
+    dropout: float = 0.1
+    false_rate: float = 0.003
+    bumper_noise: float = 0.15
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.beams <= 255:
+            raise ValueError(f"beams: {self.beams}, expected 1..255")
+        for name in ("maximum_range", "period"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name}: {getattr(self, name)}, expected > 0")
+        for name in ("dropout", "false_rate"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise ValueError(f"{name}: {getattr(self, name)}, expected 0..1")
+        for name in ("range_noise", "range_noise_quadratic", "bumper_noise"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name}: {getattr(self, name)}, expected >= 0")
+
+    def bearings(self) -> Floats:
+        """Beam bearings from the robot's heading, rad, shape (beams,)."""
+        return np.arange(self.beams) * (2.0 * np.pi / self.beams)
+
+
+def cast_beams(origin: Floats, angles: Floats, walls: Floats) -> Floats:
+    """Distance to the nearest wall along each beam.
+
+    Solves origin + t d = a + u (b - a) for every beam and wall; a hit has
+    t >= 0 and 0 <= u <= 1. Beams parallel to a wall do not hit it: its end
+    points belong to other walls too.
+
+    Parameters
+    ----------
+    origin : array, shape (2,)
+        m.
+    angles : array, shape (n,)
+        Absolute beam directions, rad.
+    walls : array, shape (w, 2, 2)
+        End points, m.
+
+    Returns
+    -------
+    array, shape (n,)
+        m; ``inf`` where nothing is hit.
+    """
+    if len(walls) == 0:
+        return np.full(len(angles), np.inf)
+    direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    along = walls[:, 1] - walls[:, 0]
+    offset = walls[:, 0] - origin
+    determinant = direction[:, :1] * along[:, 1] - direction[:, 1:] * along[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]) / determinant
+        u = (offset[:, 0] * direction[:, 1:] - offset[:, 1] * direction[:, :1]) / determinant
+    hit = (t >= 0.0) & (u >= -1e-12) & (u <= 1.0 + 1e-12)
+    return np.asarray(np.where(hit, t, np.inf).min(axis=1))
+
+
+def measure(true_range: Floats, spec: SensorSpec, rng: np.random.Generator) -> Floats:
+    """What the camera makes of the beams: noise, drop-outs, false ranges.
+
+    Parameters
+    ----------
+    true_range : array, shape (beams,)
+        m; ``inf`` or beyond the maximum range: nothing to see.
+
+    Returns
+    -------
+    array, shape (beams,)
+        Measured range, m; ``nan`` where no spot was found.
+    """
+    n = len(true_range)
+    noise = rng.standard_normal(n)
+    chance = rng.random((2, n))
+    wrong = rng.uniform(0.15, 1.0, n) * spec.maximum_range
+    near = np.minimum(true_range, spec.maximum_range)
+    measured = near + noise * (spec.range_noise + spec.range_noise_quadratic * near**2)
+    seen = (true_range <= spec.maximum_range) & (chance[0] >= spec.dropout)
+    measured = np.where(seen & (measured <= spec.maximum_range), measured, np.nan)
+    return np.where(chance[1] < spec.false_rate, wrong, measured)

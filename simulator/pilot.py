@@ -1,0 +1,249 @@
+"""Driving: turning, straight lines, and paths over the robot's own map (§2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dataset.errors import RoomsegError
+from simulator.robot import wrap
+from simulator.vehicle import Vehicle
+
+__all__ = ["End", "Pilot", "direction"]
+
+Floats = NDArray[np.float64]
+
+_ATTEMPTS = 4
+"""Plans that are tried for one journey."""
+
+_LOOK_AHEAD = 0.04
+_AHEAD = 0.01
+"""A drive stops when the body is this near to a known obstacle, m, ..."""
+_FRONTAL = 0.7
+"""... that lies within 45° of the direction of travel (cosine)."""
+_TOLERANCE = 0.03
+"""The map may place an obstacle that much too near, m: noise and cell size."""
+
+
+class End(Enum):
+    """Why a straight drive ended."""
+
+    ARRIVED = auto()
+    CONTACT = auto()
+    BLOCKED = auto()
+    STOPPED = auto()
+
+
+def direction(heading: float) -> Floats:
+    """Unit vector of a heading, shape (2,)."""
+    return np.array([np.cos(heading), np.sin(heading)])
+
+
+class Pilot:
+    """Drives the vehicle by its estimate and its own map."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self.vehicle = vehicle
+        self.robot = vehicle.robot
+
+    @property
+    def position(self) -> Floats:
+        """Estimate of the position, shape (2,), m."""
+        return self.vehicle.estimate[:2]
+
+    def turn_to(self, heading: float) -> None:
+        """Turn on the spot, the shorter way."""
+        step = self.robot.turn_rate * self.robot.time_step
+        for _ in range(200):
+            error = wrap(heading - self.vehicle.estimate[2])
+            if abs(error) < 0.01:
+                return
+            self._step(0.0, float(np.clip(error, -step, step)) / self.robot.time_step)
+
+    def spin(self) -> None:
+        """Look around once."""
+        start = self.vehicle.estimate[2]
+        for quarter in range(1, 5):
+            self.turn_to(start + 0.5 * np.pi * quarter)
+
+    def follow(
+        self,
+        heading: float,
+        length: float,
+        *,
+        start: Floats | None = None,
+        stop: Callable[[], bool] | None = None,
+        careful: bool = True,
+    ) -> End:
+        """Drive along a line until its end, an obstacle, or ``stop``.
+
+        Parameters
+        ----------
+        heading : float
+            Of the line, rad; the robot should face it already.
+        length : float
+            m from ``start``.
+        start : array, shape (2,), optional
+            A point of the line; default: where the robot is.
+        stop : callable, optional
+            Asked after every step.
+        careful : bool
+            Stop before known obstacles rather than at the bumper.
+        """
+        start = self.position.copy() if start is None else start
+        along = direction(heading)
+        while True:
+            offset = self.position - start
+            remaining = length - float(offset @ along)
+            if remaining < 0.004:
+                return End.ARRIVED
+            if careful and self._is_blocked_ahead():
+                return End.BLOCKED
+            cross = float(along[0] * offset[1] - along[1] * offset[0])
+            if self._step(*self._steering(heading, cross, remaining)):
+                return End.CONTACT
+            if stop is not None and stop():
+                return End.STOPPED
+
+    def back_off(self, distance: float = 0.03) -> None:
+        """Reverse a little, so that the next turn is free."""
+        for _ in range(int(np.ceil(distance / (0.5 * self.robot.speed * self.robot.time_step)))):
+            if self._step(-0.5 * self.robot.speed, 0.0):
+                return
+
+    def drive_to(self, point: Floats, *, careful: bool = False) -> bool:
+        """Turn towards a point and drive there; False if something is in the way."""
+        for _ in range(3):
+            gap = point - self.position
+            length = float(np.hypot(*gap))
+            if length < 0.015:
+                return True
+            heading = float(np.arctan2(gap[1], gap[0]))
+            self.turn_to(heading)
+            end = self.follow(heading, length, careful=careful)
+            if end is not End.ARRIVED and not self._slide(point):
+                return False
+        return float(np.hypot(*(point - self.position))) < 0.05
+
+    def current_node(self) -> int:
+        """The nearest node that the robot can drive to directly.
+
+        Where there is none the robot has left its map: it first drives back
+        the way it came.
+        """
+        node = self._node_in_reach()
+        if node is None:
+            self._retrace()
+            node = self._node_in_reach()
+        return int(self.vehicle.graph.within(self.position, np.inf)[0]) if node is None else node
+
+    def _node_in_reach(self) -> int | None:
+        graph = self.vehicle.graph
+        limit = self.robot.radius - 2.0 * _TOLERANCE
+        for node in graph.within(self.position, 0.5)[:20]:
+            if self.can_drive(self.position, graph.position[node], limit):
+                return int(node)
+        return None
+
+    def _retrace(self) -> None:
+        """Drive back along the driven path until a node is near."""
+        trail = self.vehicle.trail()
+        spacing = self.robot.node_spacing
+        aim = self.position
+        for point in trail[::-1]:
+            if float(np.hypot(*(point - aim))) < spacing:
+                continue
+            aim = point
+            self.drive_to(aim)
+            if self._node_in_reach() is not None:
+                return
+
+    def can_drive(self, start: Floats, end: Floats, clearance: float) -> bool:
+        """Whether the straight way is free in the robot's own map."""
+        return self.vehicle.grid.is_clear(start, end, clearance)
+
+    def travel(self, node: int) -> bool:
+        """Drive to a node over the map graph by the shortest path (Dijkstra)."""
+        graph = self.vehicle.graph
+        for attempt in range(_ATTEMPTS):
+            route = self._route(node)
+            if not route:
+                return False
+            points = graph.position[route] if attempt else self._shortcut(graph.position[route])
+            if all(self.drive_to(point) for point in points):
+                return True
+            self.back_off()
+        return False
+
+    def _route(self, goal: int) -> list[int]:
+        """Nodes from the current one to ``goal``; empty if there is no path."""
+        _, previous = self.vehicle.graph.routes(goal)
+        node, route = self.current_node(), []
+        while node != goal:
+            route.append(node)
+            node = int(previous[node])
+            if node < 0:
+                return []
+        return [*route, goal]
+
+    def _shortcut(self, points: Floats) -> Floats:
+        """Drop way points while the straight line stays free and the way stays near nodes."""
+        kept, here, k = [], self.position, 0
+        while k < len(points):
+            best = k
+            for ahead in range(k + 1, min(k + 12, len(points))):
+                if self.can_drive(here, points[ahead], self.robot.radius):
+                    best = ahead
+            kept.append(points[best])
+            here, k = points[best], best + 1
+        return np.array(kept)
+
+    def _slide(self, goal: Floats) -> bool:
+        """After a contact: move aside, along the obstacle, to the goal's side."""
+        self.back_off()
+        pose = self.vehicle.estimate.copy()
+        blocked = self.vehicle.grid.blocked_points(pose[:2], pose[:2], 0.25)
+        if len(blocked) == 0:
+            return True
+        gap = blocked - pose[:2]
+        nearest = gap[int((gap * gap).sum(axis=1).argmin())]
+        tangent = np.array([-nearest[1], nearest[0]]) / max(float(np.hypot(*nearest)), 1e-9)
+        side = float(tangent @ (goal - pose[:2]))
+        if abs(side) < 0.02:
+            return False
+        heading = float(np.arctan2(*(np.sign(side) * tangent)[::-1]))
+        self.turn_to(heading)
+        return self.follow(heading, min(0.06, abs(side)), careful=False) is End.ARRIVED
+
+    def _steering(self, heading: float, cross: float, remaining: float) -> tuple[float, float]:
+        """Speed and turn rate that lead back to the line."""
+        robot = self.robot
+        wanted = heading - float(np.arctan(4.0 * cross))
+        error = wrap(wanted - self.vehicle.estimate[2])
+        turn = float(np.clip(3.0 * error, -robot.turn_rate, robot.turn_rate))
+        speed = min(robot.speed, remaining / robot.time_step) * max(np.cos(error), 0.1)
+        return float(speed), turn
+
+    def _is_blocked_ahead(self) -> bool:
+        """Whether a known obstacle is about to be touched by the body's front.
+
+        What the body merely grazes is left to the bumper.
+        """
+        pose = self.vehicle.estimate
+        here, limit = pose[:2], self.robot.radius + _LOOK_AHEAD
+        gap = self.vehicle.grid.blocked_points(here, here, limit) - here
+        if len(gap) == 0:
+            return False
+        distance = np.hypot(gap[:, 0], gap[:, 1])
+        frontal = gap @ direction(pose[2]) > _FRONTAL * distance
+        return bool((frontal & (distance < self.robot.radius + _AHEAD)).any())
+
+    def _step(self, speed: float, turn_rate: float) -> bool:
+        if self.vehicle.time > self.robot.time_limit:
+            raise RoomsegError(
+                f"time_limit: the run is not done after {self.vehicle.time:.0f} s of simulated time"
+            )
+        return self.vehicle.step(speed, turn_rate)

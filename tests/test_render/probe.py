@@ -1,0 +1,184 @@
+"""Runs inside a process of its own, since bpy must not live in the test process.
+
+``python probe.py OUT.npz`` renders small scenes and stores what came out.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+import numpy as np
+
+from dataset.camera import FisheyeCamera
+from render.blender import add_camera, add_mesh, build_scene, empty_scene
+from render.cycles import FrameSource, configure, luminance, select_device
+from render.libraries import load_bpy
+from render.lighting import SHARES
+from render.presets import Preset
+from render.shading import build_glow, build_material
+from scenes.apartment import Apartment, Material
+from scenes.mesh import Mesh
+
+CAMERAS = {
+    "simulated": FisheyeCamera(),
+    "full_frame": FisheyeCamera(np.radians(185.0), 450.0, (512, 640), (250.5, 331.5)),
+    "cropped": FisheyeCamera(np.radians(185.0), 449.3, (200, 640), (101.0, 320.0)),
+    "small": FisheyeCamera().resized(96),
+}
+POSE = np.array([1.0, -2.0, 0.7])
+MARKER_DISTANCE = 10.0
+
+
+def boxed_room(window: tuple[float, float], source: str = "exterior") -> Apartment:
+    """A bare room of 4 m x 4 m about the origin, with one window."""
+    inner = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
+    outer = [(-2.1, -2.1), (2.1, -2.1), (2.1, 2.1), (-2.1, 2.1)]
+    lamp = {"kind": "ceiling", "position": (1.0, 0.0), "power": 40.0}
+    return Apartment.model_validate(
+        {
+            "name": "box",
+            "rooms": [{"name": "only", "polygon": inner}],
+            "walls": [
+                {"start": a, "end": b, "thickness": 0.2}
+                for a, b in zip(outer, outer[1:] + outer[:1], strict=True)
+            ],
+            "windows": [{"position": window}],
+            "lamps": [lamp],
+            "lighting": {"source": source, "sun_strength": 0.0},
+            "start": {"position": (0.0, 0.0)},
+        }
+    )
+
+
+def direction_world(bpy: Any, scene: Any) -> None:
+    """A world whose colour is its direction: (d + 1) / 2."""
+    world = bpy.data.worlds.new("directions")
+    world.use_nodes = True
+    scene.world = world
+    tree = world.node_tree
+    tree.nodes.clear()
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    code = tree.nodes.new("ShaderNodeVectorMath")
+    code.operation = "MULTIPLY_ADD"
+    code.inputs[1].default_value = (0.5, 0.5, 0.5)
+    code.inputs[2].default_value = (0.5, 0.5, 0.5)
+    background = tree.nodes.new("ShaderNodeBackground")
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(coordinates.outputs["Generated"], code.inputs[0])
+    tree.links.new(code.outputs[0], background.inputs["Color"])
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
+
+
+def directions(bpy: Any, camera: FisheyeCamera) -> np.ndarray:
+    """Linear colours of the direction world."""
+    scene = empty_scene(bpy)
+    direction_world(bpy, scene)
+    add_camera(bpy, scene, camera)
+    configure(scene, Preset("probe", samples=16, denoise=False))
+    return FrameSource(bpy, scene, camera).colour(POSE)
+
+
+def marker(bpy: Any, scene: Any, azimuth: float, zenith: float, camera: FisheyeCamera) -> None:
+    """A small glowing octahedron seen from POSE at ``azimuth`` from the heading."""
+    bearing = azimuth + POSE[2]
+    direction = np.array(
+        [np.sin(zenith) * np.cos(bearing), np.sin(zenith) * np.sin(bearing), np.cos(zenith)]
+    )
+    middle = np.array([POSE[0], POSE[1], camera.height]) + MARKER_DISTANCE * direction
+    tips = np.array([s * np.eye(3)[axis] for axis in range(3) for s in (1.0, -1.0)])
+    faces = [(x, y, z) for x in (0, 1) for y in (2, 3) for z in (4, 5)]
+    shape = Mesh(
+        middle + 0.12 * tips,
+        np.array(faces, dtype=np.int32),
+        np.zeros(len(faces), dtype=np.int32),
+        ("glow",),
+    )
+    add_mesh(bpy, scene, shape, [build_glow(bpy, "glow", 6500.0, 1.0)])
+
+
+def markers(bpy: Any) -> dict[str, np.ndarray]:
+    """Nine markers on a spiral from 0 to 94 degrees, in a dark world."""
+    camera = CAMERAS["simulated"]
+    scene = empty_scene(bpy)
+    zenith = np.radians([0.0, 10.0, 25.0, 40.0, 55.0, 70.0, 85.0, 90.0, 94.0])
+    azimuth = np.radians([0.0, 0.0, 90.0, 180.0, 270.0, 30.0, 120.0, 200.0, 310.0])
+    for a, z in zip(azimuth, zenith, strict=True):
+        marker(bpy, scene, a, z, camera)
+    add_camera(bpy, scene, camera)
+    configure(scene, Preset("probe", samples=64, denoise=False))
+    image = luminance(FrameSource(bpy, scene, camera).colour(POSE))
+    return {"markers": image, "marker_azimuth": azimuth, "marker_zenith": zenith}
+
+
+def rooms(bpy: Any) -> dict[str, np.ndarray]:
+    """The boxed room with its window at +y, seen with two headings; and by lamp light."""
+    camera = FisheyeCamera().resized(64)
+    scene = build_scene(bpy, boxed_room((0.0, 2.1)), camera)
+    configure(scene, Preset("probe", samples=4))
+    source = FrameSource(bpy, scene, camera, seed=5)
+    ahead = source.radiance(np.array([0.0, 0.0, 0.0]), 0)
+    found = {"room": ahead, "room_turned": source.radiance(np.array([0.0, 0.0, np.pi / 2]), 1)}
+    found["room_again"] = source.radiance(np.array([0.0, 0.0, 0.0]), 0)
+    found["room_other_index"] = source.radiance(np.array([0.0, 0.0, 0.0]), 7)
+    source._capture.works = False
+    found["room_through_file"] = source.radiance(np.array([0.0, 0.0, 0.0]), 0)
+    lit = build_scene(bpy, boxed_room((0.0, 2.1), "interior"), camera)
+    configure(lit, Preset("probe", samples=4))
+    found["lamp"] = FrameSource(bpy, lit, camera).radiance(np.array([0.0, 0.0, 0.0]))
+    return found
+
+
+def furnace(bpy: Any) -> dict[str, np.ndarray]:
+    """A sealed glowing box: every ray sees the radiance asked for."""
+    assert SHARES["interior"][0] == 1.0
+    camera = FisheyeCamera().resized(32)
+    scene = empty_scene(bpy)
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = np.array([t for q in quads for t in (q[:3], (q[0], q[2], q[3]))], dtype=np.int32)
+    shape = Mesh(corners, faces, np.zeros(len(faces), dtype=np.int32), ("glow",))
+    add_mesh(bpy, scene, shape, [build_glow(bpy, "glow", 6500.0, 3.0)])
+    add_camera(bpy, scene, camera)
+    configure(scene, Preset("probe", samples=1, denoise=False))
+    return {"furnace": FrameSource(bpy, scene, camera).radiance(np.zeros(3))}
+
+
+def state(bpy: Any) -> dict[str, np.ndarray]:
+    """Values that Blender holds, without rendering."""
+    scene = empty_scene(bpy)
+    camera = add_camera(bpy, scene, CAMERAS["simulated"])
+    tiles = build_material(bpy, "tiles", Material(pattern="tiles", size=0.3, roughness=0.2))
+    bricks = next(node for node in tiles.node_tree.nodes if node.type == "TEX_BRICK")
+    kinds = []
+    patterns = Material.model_fields["pattern"].annotation.__args__
+    for pattern in patterns:
+        made = build_material(bpy, pattern, Material(pattern=pattern))
+        output = next(n for n in made.node_tree.nodes if n.type == "OUTPUT_MATERIAL")
+        kinds.append(output.inputs["Surface"].is_linked)
+    configure(scene, Preset("probe", samples=3, max_bounces=2), threads=1)
+    used = select_device(bpy, scene, "auto")
+    return {
+        "fov": np.array(camera.data.fisheye_fov),
+        "tile": np.array([bricks.inputs[n].default_value for n in ("Brick Width", "Row Height")]),
+        "patterns_linked": np.array(kinds),
+        "samples": np.array(scene.cycles.samples),
+        "diffuse_bounces": np.array(scene.cycles.diffuse_bounces),
+        "threads": np.array(scene.render.threads),
+        "device": np.array(used),
+        "cycles_device": np.array(scene.cycles.device),
+    }
+
+
+def main() -> None:
+    bpy = load_bpy()
+    found = {f"directions_{name}": directions(bpy, camera) for name, camera in CAMERAS.items()}
+    found |= markers(bpy) | rooms(bpy) | furnace(bpy) | state(bpy)
+    np.savez(sys.argv[1], **found)
+    sys.stdout.flush()
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

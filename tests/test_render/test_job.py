@@ -1,0 +1,207 @@
+"""A map's images: complete, resumable, one writer, one camera."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from probe import boxed_room
+
+import render.job
+from dataset import FormatError, FrameJournal, MapFile, RoomsegError, read_map, write_map
+from dataset.camera import FisheyeCamera
+from dataset.topomap import Nodes, Obstacles, TopoMap, Visits
+from render import MissingLibraryError, Preset, render_map
+from render.process import RenderProcess
+from render.worker import Job
+
+TINY = Preset("tiny", samples=1)
+N = 4
+
+
+def make_map(path: Path, scene: str | None = None, poses: bool = True) -> Path:
+    """A map of N nodes on a line through the boxed room, with a 32-pixel disc."""
+    pose = np.column_stack([np.linspace(-1.0, 1.0, N), np.zeros(N), np.linspace(0.0, 1.0, N)])
+    nodes = Nodes(
+        pose[:, :2], pose[:, 2], np.zeros(N, int), np.zeros(N, int), pose if poses else None
+    )
+    nothing = np.zeros(0)
+    topomap = TopoMap(
+        environment="box",
+        run="run1",
+        seed=3,
+        created="2025-01-01T00:00:00Z",
+        software="test",
+        nodes=nodes,
+        edges=np.zeros((0, 2), int),
+        visits=Visits(nothing.astype(int), nothing),
+        obstacles=Obstacles(np.zeros((0, 2)), nothing, nothing.astype(np.uint8)),
+        camera=FisheyeCamera().resized(32),
+        scene=boxed_room((0.0, 2.1)).model_dump_json() if scene is None else scene,
+    )
+    write_map(path, topomap)
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A map rendered in one go."""
+    path = make_map(tmp_path_factory.mktemp("whole") / "map.h5")
+    seen: list[tuple[int, int]] = []
+    devices: list[str] = []
+    count = render_map(
+        path, preset=TINY, on_progress=lambda *a: seen.append(a), on_device=devices.append
+    )
+    assert count == N
+    assert seen == [(i, N) for i in range(N + 1)]
+    assert len(devices) == 1
+    return path
+
+
+def images(path: Path) -> list[tuple[bytes, float]]:
+    with MapFile(path) as file:
+        assert file.done.all()
+        return [(file.image(i).tobytes(), file.gain(i)) for i in range(N)]
+
+
+def test_every_node_has_an_exposed_image(whole: Path) -> None:
+    assert len(set(images(whole))) == N
+    with MapFile(whole) as file:
+        for i in range(N):
+            assert file.image(i).shape == (32, 32)
+            assert file.gain(i) > 0.0
+            assert 60 < file.image(i).mean() < 160
+    assert "bpy" not in sys.modules
+
+
+def test_in_pieces_equals_in_one_go(whole: Path, tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+    assert render_map(path, preset=TINY, limit=2) == 2
+    with MapFile(path) as file:
+        assert file.done.tolist() == [True, True, False, False]
+    assert render_map(path, preset=TINY, limit=9) == N - 2
+    assert images(path) == images(whole)
+    assert path.read_bytes() == whole.read_bytes()
+
+
+def test_a_finished_map_starts_no_blender(whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(render.job, "RenderProcess", None)
+    assert render_map(whole, preset=TINY) == 0
+
+
+def test_another_preset_or_disc_is_refused(whole: Path) -> None:
+    with pytest.raises(FormatError, match="tiny"):
+        render_map(whole, preset=Preset("other", samples=1))
+    with pytest.raises(FormatError, match="32 px disc"):
+        render_map(whole, preset=Preset("tiny", samples=1, disc_diameter=48))
+
+
+def test_a_preset_with_a_disc_of_its_own_changes_the_maps_camera(tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+    assert render_map(path, preset=Preset("tiny", samples=1, disc_diameter=24), limit=1) == 1
+    assert read_map(path).camera == FisheyeCamera().resized(24)
+    with MapFile(path) as file:
+        assert file.image(0).shape == (24, 24)
+
+
+def test_a_second_writer_is_refused(tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+    with FrameJournal(path), pytest.raises(RoomsegError, match="another process"):
+        render_map(path, preset=TINY)
+
+
+class _Fake:
+    """Stands in for the child process; fails at the third frame."""
+
+    device = "CPU"
+
+    def __init__(self, job: Job) -> None:
+        self.size = job.camera.image_size
+
+    def __enter__(self) -> _Fake:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        pass
+
+    def frames(self, indices: list[int], poses: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+        for index in indices[:2]:
+            yield index, np.full(self.size, 1.0, dtype=np.float32)
+        raise KeyboardInterrupt
+
+
+def test_an_interrupt_keeps_what_is_finished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = make_map(tmp_path / "map.h5")
+    monkeypatch.setattr(render.job, "RenderProcess", _Fake)
+    with pytest.raises(KeyboardInterrupt):
+        render_map(path, preset=TINY)
+    with MapFile(path) as file:
+        assert file.done.tolist() == [True, True, False, False]
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["map.h5"]
+
+
+def test_sigint_in_the_middle_then_resume(whole: Path, tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+    code = (
+        "import sys, time; from render import Preset, render_map\n"
+        "def wait(done, total):\n"
+        "    print(done, flush=True)\n"
+        "    if done == 1: time.sleep(60)\n"
+        f"render_map(sys.argv[1], preset=Preset('tiny', samples=1), on_progress=wait)"
+    )
+    root = str(Path(render.__file__).parent.parent)
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": root},
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"0\n"
+    assert process.stdout.readline() == b"1\n"
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert b"KeyboardInterrupt" in errors
+    with MapFile(path) as file:
+        assert file.done.tolist() == [True, False, False, False]
+    render_map(path, preset=TINY)
+    assert images(path) == images(whole)
+
+
+def test_maps_without_scene_or_poses_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"/nodes/true_pose: missing"):
+        render_map(make_map(tmp_path / "a.h5", poses=False), preset=TINY)
+    with pytest.raises(FormatError, match="/scene: name: Field required"):
+        render_map(make_map(tmp_path / "b.h5", scene="{}"), preset=TINY)
+
+
+def test_an_error_in_the_child_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    job = Job(boxed_room((0.0, 2.1)), FisheyeCamera().resized(16), TINY, device="gpu")
+    with pytest.raises(RoomsegError) as caught:
+        RenderProcess(job)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_child_that_dies_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "bpy.py").write_text("raise ImportError('libXi.so.6: cannot open shared object')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")
+    job = Job(boxed_room((0.0, 2.1)), FisheyeCamera().resized(16), TINY)
+    with pytest.raises(RoomsegError, match="libxi6"):
+        RenderProcess(job)
+    assert issubclass(MissingLibraryError, RoomsegError)
+
+
+def test_a_job_survives_its_line() -> None:
+    camera = FisheyeCamera(3.2, 450.0, (512, 640), (256.0, 320.0), 0.08)
+    job = Job(boxed_room((0.0, 2.1)), camera, TINY, 2, "cpu", 9)
+    assert Job.from_json(job.to_json()) == job
+    assert "\n" not in job.to_json()

@@ -1,0 +1,28 @@
+"""Presets and the camera they render."""
+
+from __future__ import annotations
+
+import pytest
+
+from dataset.camera import FisheyeCamera
+from dataset.errors import RoomsegError
+from render.presets import PRESETS, preset_named
+
+
+def test_full_size_presets_keep_the_maps_camera() -> None:
+    camera = FisheyeCamera(3.2, 450.0, (512, 640), (256.0, 320.0), 0.08)
+    assert PRESETS["reference"].camera(camera) is camera
+    assert PRESETS["draft"].camera(camera) is camera
+
+
+def test_preview_shrinks_the_disc_and_keeps_lens_and_height() -> None:
+    camera = PRESETS["preview"].camera(FisheyeCamera(3.2, 450.0, (512, 640), (256.0, 320.0), 0.08))
+    assert camera.image_size == (camera.disc_diameter, camera.disc_diameter)
+    assert camera.disc_diameter < 300
+    assert (camera.field_of_view, camera.height) == (3.2, 0.08)
+
+
+def test_names() -> None:
+    assert all(preset_named(name).name == name for name in PRESETS)
+    with pytest.raises(RoomsegError, match="expected one of reference, draft, preview"):
+        preset_named("fast")
