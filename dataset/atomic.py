@@ -33,7 +33,8 @@ def locked(path: str | Path) -> Iterator[None]:
     RoomsegError
         If another process is writing to it.
     """
-    lock = Path(f"{path}.lock")
+    # Through a link or directly: one file, one lock.
+    lock = Path(f"{Path(path).resolve()}.lock")
     descriptor = _open_lock(lock, Path(path))
     try:
         yield
@@ -69,7 +70,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         Where to write. If the body raises, that file is removed and ``path``
         is as it was.
     """
-    path = Path(path)
+    path = Path(path).resolve()
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield part
@@ -82,7 +83,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 def remove_leftovers(path: str | Path) -> None:
     """Remove parts that killed writers of ``path`` left; only under its lock."""
-    path = Path(path)
+    path = Path(path).resolve()
     prefix = f".{path.name}."
     for part in path.parent.iterdir():
         if part.name.startswith(prefix) and part.name.endswith(".part"):

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from dataset.atomic import force_to_disk, locked, remove_leftovers, replacing
 from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
-from dataset.layout import encode_camera
+from dataset.layout import decode_camera, encode_camera
 from dataset.storage import Frame, MapFile, pack_image, put_images, rewriting, stored_frames
 from dataset.topomap import TopoMap
 
@@ -48,6 +48,8 @@ __all__ = ["FrameJournal", "discard_frames", "journal_path"]
 MAGIC = b"roomseg-frames 1 "
 RECORD = struct.Struct("<IIdI")
 LONGEST_HEADER = 65536
+OWN_CAMERA = "own_camera"
+"""Keeps the camera that a map had before frames of a smaller one were packed into it."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class _Entry:
 
 def journal_path(path: str | Path) -> Path:
     """Name the journal of a map file."""
-    return Path(f"{path}.frames")
+    return Path(f"{Path(path).resolve()}.frames")
 
 
 def _fingerprint(topomap: TopoMap) -> str:
@@ -189,6 +191,8 @@ class FrameJournal:
             old = (frame for frame in stored_frames(source) if frame[0] not in self._entries)
             # Sorted by node, so that the bytes do not depend on who finished first.
             frames = heapq.merge(old, self._frames(), key=lambda frame: frame[0])
+            if decode_camera(source) != self.camera and OWN_CAMERA not in source:
+                source.copy("camera", target, name=OWN_CAMERA)
             encode_camera(target, self.camera)
             put_images(target, frames, self._node_count, self.camera.image_size, self.preset)
 
@@ -290,6 +294,8 @@ def _records(stream: BinaryIO) -> Iterator[tuple[int, _Entry]]:
 def discard_frames(path: str | Path) -> None:
     """Remove all images of a map, packed or not, to render them anew.
 
+    The map gets back the camera that it had before it was rendered.
+
     Raises
     ------
     RoomsegError
@@ -300,5 +306,6 @@ def discard_frames(path: str | Path) -> None:
     with locked(path):
         journal_path(path).unlink(missing_ok=True)
         if has_images:
-            with rewriting(path, without=["images"]):
-                pass
+            with rewriting(path, without=["images", "camera", OWN_CAMERA]) as (source, target):
+                camera = OWN_CAMERA if OWN_CAMERA in source else "camera"
+                source.copy(camera, target, name="camera")

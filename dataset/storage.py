@@ -163,7 +163,7 @@ def errors_of(path: str | Path) -> Iterator[None]:
         yield
     except FormatError as error:
         message = str(error)
-        named = message.startswith(str(path))
+        named = message.startswith(f"{path}: ")
         raise FormatError(message if named else f"{path}: {message}") from error
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, MemoryError) as error:
         reason = " ".join(str(error).split())

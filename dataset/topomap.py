@@ -23,14 +23,14 @@ Ints = NDArray[np.int32]
 
 def _check(name: str, array: Any, dtype: Any, shape: tuple[int | None, ...]) -> NDArray[Any]:
     """Return ``array`` as ``dtype``; refuse other shapes (None = any) and non-finite values."""
-    array = np.asarray(array, dtype=dtype)
-    if array.ndim != len(shape) or any(
-        want is not None and want != got for want, got in zip(shape, array.shape, strict=True)
+    checked: NDArray[Any] = np.asarray(array, dtype=dtype)
+    if checked.ndim != len(shape) or any(
+        want is not None and want != got for want, got in zip(shape, checked.shape, strict=True)
     ):
-        raise FormatError(f"{name}: shape {array.shape}, expected {shape}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        raise FormatError(f"{name}: shape {checked.shape}, expected {shape}")
+    if checked.dtype.kind == "f" and not np.isfinite(checked).all():
         raise FormatError(f"{name}: has values that are not finite")
-    return array
+    return checked
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,9 @@ class TopoMap:
     def edge_lengths(self) -> Floats:
         """Edge length l from the position estimates, m, shape (e,) (§2.2.1)."""
         position = self.nodes.position
-        return np.linalg.norm(position[self.edges[:, 0]] - position[self.edges[:, 1]], axis=1)
+        difference = position[self.edges[:, 0]] - position[self.edges[:, 1]]
+        length: Floats = np.linalg.norm(difference, axis=1)
+        return length
 
     def with_ground_truth(self, ground_truth: GroundTruth) -> TopoMap:
         """The same map with another ground truth."""

@@ -6,7 +6,6 @@ be rendered, and never by importing this package.
 
 from render.exposure import expose
 from render.job import render_map
-from render.libraries import MissingLibraryError
 from render.presets import PRESETS, Preset, preset_named
 
-__all__ = ["PRESETS", "MissingLibraryError", "Preset", "expose", "preset_named", "render_map"]
+__all__ = ["PRESETS", "Preset", "expose", "preset_named", "render_map"]

@@ -15,15 +15,16 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
 from dataset.journal import FrameJournal
 from dataset.storage import read_map
 from dataset.topomap import TopoMap
+from render.blender import render_window
 from render.cycles import Device
 from render.exposure import expose
 from render.presets import Preset
-from render.process import RenderProcess
-from render.worker import Job
+from render.process import Job, RenderProcess
 from scenes.apartment import Apartment
 
 __all__ = ["render_map"]
@@ -71,7 +72,7 @@ def render_map(
     """
     topomap = read_map(path)
     apartment = _apartment(path, topomap)
-    camera = preset.camera(topomap.camera)
+    camera = _camera(path, topomap, preset)
     with FrameJournal(path, camera, preset.name) as journal:
         try:
             missing = [i for i in range(len(topomap.nodes)) if i not in journal.done][:limit]
@@ -107,6 +108,16 @@ def _render(
             if on_progress is not None:
                 on_progress(len(journal.done), len(topomap.nodes))
     return count
+
+
+def _camera(path: str | Path, topomap: TopoMap, preset: Preset) -> FisheyeCamera:
+    """The camera to render; FormatError if Blender cannot place its disc."""
+    camera = preset.camera(topomap.camera)
+    try:
+        render_window(camera)
+    except ValueError as error:
+        raise FormatError(f"{path}: /camera: {error}") from error
+    return camera
 
 
 def _apartment(path: str | Path, topomap: TopoMap) -> Apartment:

@@ -43,7 +43,7 @@ def add_lighting(bpy: Any, scene: Any, apartment: Apartment) -> None:
         _add_sun(bpy, scene, apartment)
     if daylight * light.sky_strength > 0.0:
         for window in apartment.windows:
-            _add_portal(bpy, scene, apartment, window)
+            _add_window(bpy, scene, apartment, window, daylight * light.sky_strength)
 
 
 def lamp_radiance(apartment: Apartment, index: int, area: float) -> float:
@@ -75,30 +75,50 @@ def _add_sun(bpy: Any, scene: Any, apartment: Apartment) -> None:
 
 
 def _set_sky(bpy: Any, scene: Any, strength: float) -> None:
-    """A uniform sky over a darker ground, W/m²/sr."""
+    """What is seen of the sky, W/m²/sr; it lights nothing, the window lights do."""
     world = bpy.data.worlds.new("sky")
     if world.node_tree is None:
         world.use_nodes = True
+    world.cycles.sampling_method = "NONE"
     scene.world = world
     tree = world.node_tree
     tree.nodes.clear()
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+    background = tree.nodes.new("ShaderNodeBackground")
+    tree.links.new(_sky_colour(tree, direction, upward=1.0), background.inputs["Color"])
+    path = tree.nodes.new("ShaderNodeLightPath")
+    seen = _math(tree, "MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Glossy Ray"])
+    tree.links.new(_math(tree, "MULTIPLY", seen, strength), background.inputs["Strength"])
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
+
+
+def _math(tree: Any, operation: str, first: Any, second: Any) -> Any:
+    """A sum, product, ... of a socket and a socket or number."""
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    tree.links.new(first, node.inputs[0])
+    if hasattr(second, "node"):
+        tree.links.new(second, node.inputs[1])
+    else:
+        node.inputs[1].default_value = second
+    return node.outputs[0]
+
+
+def _sky_colour(tree: Any, direction: Any, upward: float) -> Any:
+    """Uniform sky over a darker ground; ``direction`` times ``upward`` points at them."""
     split = tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(direction, split.inputs[0])
     ramp = tree.nodes.new("ShaderNodeMapRange")
-    ramp.inputs["From Min"].default_value = -0.05
-    ramp.inputs["From Max"].default_value = 0.05
+    ramp.inputs["From Min"].default_value = -0.05 * upward
+    ramp.inputs["From Max"].default_value = 0.05 * upward
     tree.links.new(split.outputs["Z"], ramp.inputs["Value"])
     mix = tree.nodes.new("ShaderNodeMix")
     mix.data_type = "RGBA"
     mix.inputs[6].default_value = (*GROUND_COLOUR, 1.0)
     mix.inputs[7].default_value = (*SKY_COLOUR, 1.0)
     tree.links.new(ramp.outputs[0], mix.inputs["Factor"])
-    background = tree.nodes.new("ShaderNodeBackground")
-    background.inputs["Strength"].default_value = strength
-    tree.links.new(mix.outputs[2], background.inputs["Color"])
-    output = tree.nodes.new("ShaderNodeOutputWorld")
-    tree.links.new(background.outputs[0], output.inputs["Surface"])
+    return mix.outputs[2]
 
 
 def window_frame(
@@ -123,18 +143,37 @@ def window_frame(
     return opening.centre - (0.5 * opening.thickness + PORTAL_INSET) * inward, inward
 
 
-def _add_portal(bpy: Any, scene: Any, apartment: Apartment, window: Window) -> None:
-    """A sampling aid that shines nothing itself: sky light enters here."""
+def _add_window(
+    bpy: Any, scene: Any, apartment: Apartment, window: Window, strength: float
+) -> None:
+    """The sky's light through one window: an area light that no camera sees."""
     frame = window_frame(apartment, window)
     if frame is None:
         return
     middle, inward = frame
-    made = _add_light(bpy, scene, "AREA", "portal")
-    made.data.shape = "RECTANGLE"
-    made.data.size = window.width
-    made.data.size_y = window.head_height - window.sill_height
-    made.data.cycles.is_portal = True
+    made = _add_light(bpy, scene, "AREA", "window")
+    made.visible_camera = False
+    made.visible_glossy = False
     made.location = (*middle, 0.5 * (window.sill_height + window.head_height))
     # Turned upright (x stays horizontal), -z of the light must point along `inward`.
     turn = float(np.arctan2(inward[1], inward[0])) - np.pi / 2.0
     made.rotation_euler = (np.pi / 2.0, 0.0, turn)
+    light = made.data
+    light.shape = "RECTANGLE"
+    light.size = window.width
+    light.size_y = window.head_height - window.sill_height
+    # An area light of P watts has the radiance P / (pi area).
+    light.energy = np.pi * light.size * light.size_y * strength
+    if light.node_tree is None:
+        light.use_nodes = True
+    _colour_window(light.node_tree)
+
+
+def _colour_window(tree: Any) -> None:
+    """Let a window's light have the colour of the sky or the ground behind it."""
+    tree.nodes.clear()
+    towards = tree.nodes.new("ShaderNodeNewGeometry").outputs["Incoming"]
+    emission = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(_sky_colour(tree, towards, upward=-1.0), emission.inputs["Color"])
+    output = tree.nodes.new("ShaderNodeOutputLight")
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])

@@ -1,4 +1,4 @@
-"""The caller's end of the rendering child process (`render.worker`)."""
+"""The caller's end of the rendering child process (`render.worker`), and what it is told."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import sys
 import tempfile
 from collections.abc import Generator
 from contextlib import suppress
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
@@ -16,12 +17,56 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
-from render.worker import Job
+from render.cycles import Device
+from render.presets import Preset
+from scenes.apartment import Apartment
 
-__all__ = ["RenderProcess"]
+__all__ = ["Job", "RenderProcess"]
 
 PATIENCE_S = 10.0
+
+
+@dataclass(frozen=True)
+class Job:
+    """What the child is to render: the first line that it reads.
+
+    ``threads`` None means all cores; frame i is sampled with ``seed`` + i.
+    """
+
+    apartment: Apartment
+    camera: FisheyeCamera
+    preset: Preset
+    threads: int | None = None
+    device: Device = "auto"
+    seed: int = 0
+
+    def to_json(self) -> str:
+        """One line of JSON."""
+        fields = {
+            "apartment": self.apartment.model_dump(mode="json"),
+            "camera": asdict(self.camera),
+            "preset": asdict(self.preset),
+            "threads": self.threads,
+            "device": self.device,
+            "seed": self.seed,
+        }
+        return json.dumps(fields)
+
+    @classmethod
+    def from_json(cls, line: str) -> Job:
+        """The job of `to_json`."""
+        fields = json.loads(line)
+        camera = fields.pop("camera")
+        for name in ("image_size", "disc_centre"):
+            camera[name] = tuple(camera[name])
+        return cls(
+            apartment=Apartment.model_validate(fields.pop("apartment")),
+            camera=FisheyeCamera(**camera),
+            preset=Preset(**fields.pop("preset")),
+            **fields,
+        )
 
 
 class RenderProcess:

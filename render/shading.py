@@ -126,18 +126,14 @@ def _plaster(tree: _Tree, material: Material) -> _Socket:
     return _blend(tree, noise, _second(material, 0.94), material.colour)
 
 
-def _boards(tree: _Tree, material: Material, slenderness: float) -> _Socket:
-    """Boards ``size`` long and 1/``slenderness`` as wide, each with its own tone and grain."""
-    board = material.size
-    width = board / slenderness
+def _boards(tree: _Tree, material: Material, length: float, width: float) -> _Socket:
+    """Boards of ``length`` x ``width`` m, each with its own tone and grain."""
     dark = _second(material, 0.7)
-    tone = _between(material.colour, dark)
-    joint = _darker(dark, 0.4)
     bricks = _bricks(
         tree,
-        tones=(material.colour, tone),
-        joint=joint,
-        size=(board, width),
+        tones=(material.colour, _between(material.colour, dark)),
+        joint=_darker(dark, 0.4),
+        size=(length, width),
         gap=min(0.003, 0.05 * width),
     )
     bricks.offset = 0.37
@@ -152,11 +148,13 @@ def _boards(tree: _Tree, material: Material, slenderness: float) -> _Socket:
 
 
 def _parquet(tree: _Tree, material: Material) -> _Socket:
-    return _boards(tree, material, slenderness=6.0)
+    """Staves: ``size`` is their length, since that is what repeats to the eye."""
+    return _boards(tree, material, material.size, material.size / 6.0)
 
 
 def _planks(tree: _Tree, material: Material) -> _Socket:
-    return _boards(tree, material, slenderness=8.0)
+    """Boards: ``size`` is their width; they are ten times as long."""
+    return _boards(tree, material, 10.0 * material.size, material.size)
 
 
 def _tiles(tree: _Tree, material: Material) -> _Socket:

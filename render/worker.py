@@ -15,61 +15,18 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
 from typing import Any, BinaryIO
 
 import numpy as np
 
-from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
 from render.blender import build_scene
-from render.cycles import Device, FrameSource, configure, select_device
+from render.cycles import FrameSource, configure, select_device
 from render.libraries import load_bpy
-from render.presets import Preset
-from scenes.apartment import Apartment
+from render.process import Job
+from scenes.errors import SceneError
 
-__all__ = ["Job", "main"]
-
-
-@dataclass(frozen=True)
-class Job:
-    """What the child is to render: the first line that it reads.
-
-    ``threads`` None means all cores; frame i is sampled with ``seed`` + i.
-    """
-
-    apartment: Apartment
-    camera: FisheyeCamera
-    preset: Preset
-    threads: int | None = None
-    device: Device = "auto"
-    seed: int = 0
-
-    def to_json(self) -> str:
-        """One line of JSON."""
-        fields = {
-            "apartment": self.apartment.model_dump(mode="json"),
-            "camera": asdict(self.camera),
-            "preset": asdict(self.preset),
-            "threads": self.threads,
-            "device": self.device,
-            "seed": self.seed,
-        }
-        return json.dumps(fields)
-
-    @classmethod
-    def from_json(cls, line: str) -> Job:
-        """The job of `to_json`."""
-        fields = json.loads(line)
-        camera = fields.pop("camera")
-        for name in ("image_size", "disc_centre"):
-            camera[name] = tuple(camera[name])
-        return cls(
-            apartment=Apartment.model_validate(fields.pop("apartment")),
-            camera=FisheyeCamera(**camera),
-            preset=Preset(**fields.pop("preset")),
-            **fields,
-        )
+__all__ = ["main"]
 
 
 def _prepare(line: str) -> tuple[FrameSource, str]:
@@ -105,7 +62,7 @@ def main() -> None:
     status = 0
     try:
         _serve(channel)
-    except RoomsegError as error:
+    except (RoomsegError, SceneError) as error:
         _answer(channel, {"error": str(error)})
         status = 2
     except BrokenPipeError:

@@ -35,6 +35,9 @@ from dataset.topomap import Nodes, TopoMap
 
 __all__ = ["LocalObstacles", "WidthParameters", "passageway_widths", "search_strips"]
 
+_BATCH = 64
+"""Edges whose points are clustered in one call."""
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -162,10 +165,16 @@ def passageway_widths(
     strips = search_strips(topomap.nodes, edges, topomap.robot_radius, parameters)
     position = topomap.nodes.position
     width = np.full(len(edges), parameters.default)
-    for index, (k, l) in enumerate(edges):  # noqa: E741 - the paper's name
-        if (position[k] != position[l]).any():
-            points = _edge_frame(obstacles.near(k, l), position[k], position[l])
-            width[index] = _strip_width(points, strips[index], parameters)
+    measurable = np.flatnonzero((position[edges[:, 0]] != position[edges[:, 1]]).any(axis=1))
+    for begin in range(0, len(measurable), _BATCH):
+        batch = measurable[begin : begin + _BATCH]
+        points = [
+            _strip_points(obstacles, position, edge, strip, parameters)
+            for edge, strip in zip(edges[batch], strips[batch], strict=True)
+        ]
+        clustered = _without_noise(points, parameters)
+        for index, kept in zip(batch, clustered, strict=True):
+            width[index] = _width_between(kept, strips[index], parameters.default)
     return width
 
 
@@ -222,20 +231,48 @@ def _edge_frame(points: Floats, first: Floats, second: Floats) -> Floats:
     return framed
 
 
-def _strip_width(points: Floats, strip: Floats, parameters: WidthParameters) -> float:
-    """L from the points in the edge's frame, m; the default where a side has none."""
-    begin, end, half_length = strip
-    # Whether a point of the strip is noise depends on points within two radii only.
+def _strip_points(
+    obstacles: LocalObstacles,
+    position: Floats,
+    edge: Integers,
+    strip: Floats,
+    parameters: WidthParameters,
+) -> Floats:
+    """Points near an edge that decide on its L, in the edge's frame, shape (p, 2), m.
+
+    Whether a point of the strip is noise depends on points within two cluster
+    radii of it only.
+    """
+    points = _edge_frame(obstacles.near(*edge), position[edge[0]], position[edge[1]])
     margin = 2.001 * parameters.cluster_radius
-    points = points[(points[:, 0] >= begin - margin) & (points[:, 0] <= end + margin)]
-    if len(points) < parameters.cluster_points:
-        return parameters.default
-    labels = dbscan(points, eps=parameters.cluster_radius, min_samples=parameters.cluster_points)[1]
-    points = points[(labels >= 0) & (points[:, 0] >= begin) & (points[:, 0] <= end)]
+    inside = (points[:, 0] >= strip[0] - margin) & (points[:, 0] <= strip[1] + margin)
+    return points[inside]
+
+
+def _without_noise(points: list[Floats], parameters: WidthParameters) -> list[Floats]:
+    """Drop the points that DBSCAN puts into no cluster, for several edges at once.
+
+    The edge's number is a third coordinate, so that points of different edges
+    are never neighbours; one call for many edges saves its overhead.
+    """
+    counts = [len(group) for group in points]
+    if not sum(counts):
+        return points
+    apart = 2.0 * parameters.cluster_radius * np.repeat(np.arange(len(points)), counts)
+    stacked = np.column_stack([np.concatenate(points), apart])
+    labels = dbscan(stacked, eps=parameters.cluster_radius, min_samples=parameters.cluster_points)
+    groups = np.split(labels[1] >= 0, np.cumsum(counts)[:-1])
+    return [group[kept] for group, kept in zip(points, groups, strict=True)]
+
+
+def _width_between(points: Floats, strip: Floats, default: float) -> float:
+    """L: distance of the two points of the strip closest to the edge on either side, m."""
+    begin, end, half_length = strip
+    points = points[(points[:, 0] >= begin) & (points[:, 0] <= end)]
     beyond = np.maximum(np.abs(points[:, 0]) - half_length, 0.0)
     distance = np.hypot(beyond, points[:, 1])
     left = points[:, 1] > 0
     if left.all() or not left.any():
-        return parameters.default
+        return default
     sides = [points[side][np.argmin(distance[side])] for side in (left, ~left)]
     return float(np.linalg.norm(sides[0] - sides[1]))

@@ -176,7 +176,7 @@ def _draw_sketch(rng: np.random.Generator, rooms: int) -> _Sketch:
         bands=tuple(tuple(band) for band in bands),
         weights=tuple(tuple(weight[kind] for kind in band) for band in bands),
         living=SHARE["living_room"] * float(rng.uniform(0.8, 1.2)),
-        aspect=float(rng.uniform(1.0, 1.4 + 0.12 * rooms)),
+        aspect=float(rng.uniform(1.0, 2.4 if open_hub else 1.4 + 0.12 * rooms)),
         corridor=None if open_hub else float(rng.uniform(1.1, 1.5)) + INNER,
     )
 

@@ -23,8 +23,8 @@ __all__ = ["Site", "furnish", "ways"]
 
 WAY = 0.5
 """Clear width that must remain from doorway to doorway and to most of the room, m."""
-DRIVEN = 0.55
-"""Share of the floor for the robot's centre at which filling stops."""
+DRIVEN = 0.46
+"""Share of the floor for the robot's centre at which filling stops; tables count as solid here."""
 RADIUS = 0.15
 """Robot radius, m (§2.1)."""
 TRIES = 40
@@ -72,7 +72,8 @@ def furnish(rng: np.random.Generator, site: Site) -> tuple[Piece, ...]:
         if ways(site, taken, RADIUS).area <= DRIVEN * _room(site).area:
             break
         _add(rng, site, item, pieces, taken)
-    return tuple(pieces) + _hung(rng, site, pieces)
+    fittings = (*_over(site, pieces), *_radiators(site, taken), *_pictures(rng, site, taken))
+    return (*pieces, *fittings)
 
 
 def ways(site: Site, taken: Sequence[Polygon], radius: float) -> shapely.Geometry:
@@ -107,7 +108,7 @@ def _add(
 def _against_wall(
     rng: np.random.Generator, site: Site, item: Item
 ) -> tuple[tuple[float, float], float]:
-    """Draw a place with the back 2 cm from a wall, half of them in a corner."""
+    """Draw a place with the back at a wall, half of them in a corner."""
     x0, y0, x1, y1 = site.box
     side = int(rng.integers(4))
     low, high = (y0, y1) if side % 2 else (x0, x1)
@@ -116,7 +117,7 @@ def _against_wall(
     along = rng.uniform(*ends) if ends[1] > ends[0] else (low + high) / 2
     if rng.random() < 0.5:
         along = ends[int(rng.integers(2))]
-    inset = 0.02 + depth / 2
+    inset = (0.005 if item.kind == "picture" else 0.02) + depth / 2
     place = ((along, y1 - inset), (x0 + inset, along), (along, y0 + inset), (x1 - inset, along))
     x, y = place[side]
     return (round(float(x), 3), round(float(y), 3)), (0.0, 90.0, 180.0, -90.0)[side]
@@ -249,7 +250,8 @@ def _fillers(rng: np.random.Generator, site: Site) -> Iterator[Item]:
         "office": ("shelf", "low_shelf", "armchair", "plant", "shelf"),
     }
     kinds = choices.get(site.kind, ("shelf", "low_shelf", "box", "table"))
-    for kind in rng.permutation(kinds):
+    rounds = 1 + int(_room(site).area / 12.0)
+    for kind in rng.permutation(kinds * rounds):
         yield _FILLERS[str(kind)]
 
 
@@ -265,29 +267,64 @@ _FILLERS = {
 }
 
 
-def _hung(rng: np.random.Generator, site: Site, pieces: Sequence[Piece]) -> tuple[Piece, ...]:
-    """Cupboards over the kitchen counter, a mirror over the basin, a picture, above the robot."""
-    hung = []
+def _over(site: Site, pieces: Sequence[Piece]) -> Iterator[Piece]:
+    """Cupboards over the kitchen counter and a mirror over the basin, clear of windows."""
     for piece in pieces:
-        assert piece.size is not None
-        above = {"kitchen_counter": (0.36, 0.65, 1.42), "basin": (0.03, 0.6, 1.25)}.get(piece.kind)
-        if above is None:
+        if piece.kind not in _OVER or piece.size is None:
             continue
-        depth, height, elevation = above
-        kind = "wall_cupboard" if piece.kind == "kitchen_counter" else "picture"
-        size = (piece.size[0], depth, height)
-        shape = _turned((size[0], size[1]), _back(piece, depth), piece.rotation_deg)
-        if elevation + height < site.ceiling and not any(shape.intersects(w) for w in site.windows):
-            hung.append(
-                Piece(
-                    kind=kind,
-                    position=_back(piece, depth),
-                    rotation_deg=piece.rotation_deg,
-                    size=size,
-                    elevation=elevation,
-                )
+        kind, depth, height, elevation = _OVER[piece.kind]
+        position, size = _back(piece, depth), (piece.size[0], depth, height)
+        shape = _turned((size[0], size[1]), position, piece.rotation_deg)
+        if not any(shape.intersects(zone) for zone in site.windows):
+            yield Piece(
+                kind=kind,
+                position=position,
+                rotation_deg=piece.rotation_deg,
+                elevation=elevation,
+                size=size,
             )
-    return tuple(hung)
+
+
+_OVER = {
+    "kitchen_counter": ("wall_cupboard", 0.36, 0.65, 1.42),
+    "basin": ("picture", 0.03, 0.6, 1.25),
+}
+"""What hangs over a piece: kind, depth, height and elevation, m."""
+
+
+def _radiators(site: Site, taken: Sequence[Polygon]) -> Iterator[Piece]:
+    """A radiator under each window that no piece stands before."""
+    x0, y0, x1, y1 = site.box
+    for zone in site.windows:
+        a, b, c, d = zone.bounds
+        upright = a == x0 or c == x1
+        length = round(min(1.2, (d - b if upright else c - a) - 0.15), 3)
+        side = (d == y1, a == x0, b == y0, c == x1) if not upright else (0, a == x0, 0, c == x1)
+        turn = (0.0, 90.0, 180.0, -90.0)[side.index(True)]
+        x = (x0 + 0.08 if a == x0 else x1 - 0.08) if upright else (a + c) / 2
+        y = (b + d) / 2 if upright else (y1 - 0.08 if d == y1 else y0 + 0.08)
+        place = (round(x, 3), round(y, 3))
+        shape = _turned((length, 0.1), place, turn)
+        blocked = any(shape.intersects(other) for other in (*taken, *site.doors))
+        if length > 0.4 and not blocked and _room(site).covers(shape):
+            yield Piece(
+                kind="radiator", position=place, rotation_deg=turn, size=(length, 0.1, 0.65)
+            )
+
+
+def _pictures(rng: np.random.Generator, site: Site, taken: Sequence[Polygon]) -> Iterator[Piece]:
+    """Up to two pictures on bare walls at eye height."""
+    zones = [*taken, *site.doors, *site.windows]
+    for _ in range(2):
+        width, height = (round(float(value), 2) for value in rng.uniform(0.35, 0.8, 2))
+        item = Item("picture", (width, 0.03, height))
+        position, turn = _against_wall(rng, site, item)
+        shape = _turned(item.footprint, position, turn)
+        if _room(site).covers(shape) and not any(shape.intersects(zone) for zone in zones):
+            yield Piece(
+                kind="picture", position=position, rotation_deg=turn, elevation=1.3, size=item.size
+            )
+            zones.append(shape)
 
 
 def _back(piece: Piece, depth: float) -> tuple[float, float]:

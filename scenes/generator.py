@@ -25,10 +25,10 @@ from scenes.passages import free_region
 
 __all__ = ["generate_apartment"]
 
-ATTEMPTS = 400
+ATTEMPTS = 1000
 MAX_ROOMS = 12
-AREA_PER_ROOM = (6.0, 30.0)
-"""Clear floor area per room that can be furnished, m²."""
+AREA_PER_ROOM = (5.0, 30.0)
+"""Clear floor area per room that may be asked for, m²; below 9 not every plan is found."""
 ROBOT_RADIUS = 0.15
 LEAST_DRIVEN = 0.25
 """Floor that the robot's centre must have in every room, m²."""

@@ -34,7 +34,7 @@ def _parquet(colour: Colour, second: Colour) -> Material:
 
 
 def _planks(colour: Colour, second: Colour) -> Material:
-    return Material(pattern="planks", colour=colour, second_colour=second, size=1.2, roughness=0.4)
+    return Material(pattern="planks", colour=colour, second_colour=second, size=0.15, roughness=0.4)
 
 
 def _tiles(colour: Colour, second: Colour, size: float) -> Material:

@@ -52,7 +52,8 @@ def draw_palette(
         walls[kind] = "main_wall"
         if kind == "bathroom" or (kind not in ("corridor", "living_room") and rng.random() < 0.5):
             name = f"{kind}_wall"
-            materials[name] = _wall(rng, kind, _tint(rng, level))
+            colour = _frame(rng, main, "low") if contrast == "low" else _tint(rng, level)
+            materials[name] = _wall(rng, kind, colour)
             walls[kind] = name
     bright = float(rng.uniform(0.78, 0.86))
     materials["ceiling"] = Material(pattern="plain", colour=(bright, bright, bright), roughness=0.9)

@@ -29,6 +29,7 @@ __all__ = [
     "Prism",
     "apartment_solids",
     "building_region",
+    "cutter",
     "floor_region",
     "obstacles",
     "passage_rooms",
@@ -102,7 +103,11 @@ def building_region(apartment: Apartment) -> shapely.Geometry:
         for wall in apartment.walls
     ]
     region = shapely.union_all([*lines, rooms_region(apartment)])
-    closed = region.buffer(GAP / 2, join_style="mitre").buffer(-GAP / 2, join_style="mitre")
+    # A little more than GAP, so that rounding does not decide about gaps of just that width.
+    reach = GAP / 2 + 1e-3
+    # GEOS raises floating-point flags on nearly straight mitres; its results are sound.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        closed = region.buffer(reach, join_style="mitre").buffer(-reach, join_style="mitre")
     # Rounding drops the specks of the two buffers; the grid must not stick to the result,
     # or every later overlay would round furniture too.
     return shapely.set_precision(shapely.set_precision(closed.union(region), 1e-6), 0.0)
@@ -130,26 +135,25 @@ def passage_rooms(apartment: Apartment, passage: Passage) -> tuple[int | None, i
     return room_at(-1.0), room_at(1.0)
 
 
-def _cut(opening: Opening, walls: shapely.Geometry, margin: float) -> shapely.Geometry:
-    """What an opening takes out of the walls; ``margin`` m on either side of the clear width."""
-    half = opening.width / 2 + margin
-    depth = opening.thickness / 2 + GAP
-    return opening.rectangle((-half, half), (-depth, depth)).intersection(walls)
+def cutter(opening: Opening, margin: float = 0.0) -> Polygon:
+    """The rectangle that cuts an opening, ``margin`` m wider on either side.
 
-
-def passage_footprint(
-    apartment: Apartment, passage: Passage, walls: shapely.Geometry
-) -> shapely.Geometry:
-    """Floor of a passage between the jambs."""
-    return _cut(place(apartment, passage.position, passage.width), walls, 0.0)
+    It reaches beyond both wall faces, into the rooms: were it to end on the faces,
+    rounding could leave slits or spikes of no width across a passage of a turned
+    apartment, and eroding by the robot's radius would then close the passage.
+    """
+    half, depth = opening.width / 2 + margin, opening.thickness / 2 + GAP + 0.01
+    return opening.rectangle((-half, half), (-depth, depth))
 
 
 def floor_region(apartment: Apartment) -> shapely.Geometry:
     """Rooms and the footprints of the open passages."""
-    walls = wall_region(apartment)
-    floors = [passage_footprint(apartment, p, walls) for p in apartment.passages if not p.closed]
-    region = shapely.union_all([rooms_region(apartment), *floors])
-    return shapely.union_all(polygons(region))
+    floors = [
+        cutter(place(apartment, passage.position, passage.width))
+        for passage in apartment.passages
+        if not passage.closed
+    ]
+    return shapely.union_all([rooms_region(apartment), *floors])
 
 
 def apartment_solids(apartment: Apartment) -> list[Prism]:
@@ -198,24 +202,24 @@ def _shell(apartment: Apartment) -> Iterator[Prism]:
     """Walls, passages, windows, floors and ceilings."""
     walls = wall_region(apartment)
     top = max(room.ceiling_height for room in apartment.rooms) + SLAB
-    cuts = []
+    cutters = []
     for passage in apartment.passages:
         opening = place(apartment, passage.position, passage.width)
-        cut = _cut(opening, walls, lining_of(passage))
-        cuts.append(cut)
+        cutters.append(cutter(opening, lining_of(passage)))
+        cut = cutters[-1].intersection(walls)
         yield from _passage(apartment, passage, opening, cut, top)
     for window in apartment.windows:
         opening = place(apartment, window.position, window.width)
-        cut = _cut(opening, walls, 0.0)
-        cuts.append(cut)
+        cutters.append(cutter(opening))
+        cut = cutters[-1].intersection(walls)
         yield from _prisms(cut, -SLAB, window.sill_height, WALL)
         yield from _prisms(cut, window.head_height, top, WALL)
         heights = (window.sill_height, window.head_height)
         yield from _window_frame(opening, heights, window.frame)
-    holes = shapely.union_all(cuts)
-    yield from _prisms(walls.difference(holes), -SLAB, top, WALL)
+    solid = walls.difference(shapely.union_all(cutters))
+    yield from _prisms(solid, -SLAB, top, WALL)
     for room in apartment.rooms:
-        yield from _slabs(room, walls.difference(holes), top)
+        yield from _slabs(room, solid, top)
 
 
 def _slabs(room: Room, solid: shapely.Geometry, top: float) -> Iterator[Prism]:

@@ -1,1 +1,8 @@
 """The 2D cleaning-robot simulator: from an apartment to a topo-metric map (§2.1)."""
+
+from simulator.cleaning_run import simulate
+from simulator.laser import SensorSpec
+from simulator.report import CoverageReport, coverage_report
+from simulator.robot import RobotSpec
+
+__all__ = ["CoverageReport", "RobotSpec", "SensorSpec", "coverage_report", "simulate"]

@@ -76,7 +76,9 @@ def simulate(
     return _as_map(apartment, vehicle, run=run, seed=seed, created=created)
 
 
-def crosses_border(positions: Floats, edges: NDArray[np.int32], borders: Floats) -> NDArray[np.bool_]:
+def crosses_border(
+    positions: Floats, edges: NDArray[np.int32], borders: Floats
+) -> NDArray[np.bool_]:
     """Edges that cross any border segment (§3.1.1).
 
     Parameters
@@ -106,7 +108,9 @@ def _start_pose(apartment: Apartment, start: tuple[float, float, float] | None) 
     return np.array([*base.position, np.radians(base.heading_deg)])
 
 
-def _as_map(apartment: Apartment, vehicle: Vehicle, *, run: str, seed: int, created: str) -> TopoMap:
+def _as_map(
+    apartment: Apartment, vehicle: Vehicle, *, run: str, seed: int, created: str
+) -> TopoMap:
     graph = vehicle.graph
     edges = np.array(sorted(set(graph.edges)), dtype=np.int32).reshape(-1, 2)
     visits = sorted(graph.visits)

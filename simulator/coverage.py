@@ -33,6 +33,8 @@ __all__ = ["CoverageStrategy", "Lane"]
 Floats = NDArray[np.float64]
 
 _FAR = 100.0
+_DODGE = 0.03
+"""A lane may be pushed aside that far by glancing contacts, m."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class CoverageStrategy:
         self._progress = progress
         self._clearance = vehicle.robot.radius - vehicle.robot.caution
         self._tried: list[Floats] = []
-        self._lanes = 0
+        self._headings: list[float] = []
         self._parts = 0
 
     def run(self) -> None:
@@ -219,7 +221,7 @@ class CoverageStrategy:
                 return None
             length, _ = graph.routes(self.pilot.current_node())
             for frontier in sorted(frontiers, key=lambda f: self._way(f, length)):
-                axis = float(graph.estimate[frontier.node[0], 2])
+                axis = self._headings[graph.lane[frontier.node[0]]]
                 entrance = propose_entrance(
                     grid, graph.position, frontier, axis, self.robot, self._clearance
                 )
@@ -241,7 +243,7 @@ class CoverageStrategy:
         if direct and pilot.can_drive(pilot.position, point, self.robot.radius):
             if pilot.drive_to(point):
                 return True
-        if pilot.travel(node) and pilot.drive_to(point):
+        if pilot.travel(node) and (pilot.drive_to(point) or pilot.drive_around(point)):
             return True
         if float(np.hypot(*(point - pilot.position))) < 0.1:
             return True
@@ -253,7 +255,7 @@ class CoverageStrategy:
         along = direction(heading)
         start = point + float((self.pilot.position - point) @ along) * along
         self.pilot.turn_to(heading)
-        self.pilot.follow(heading, _FAR, start=start, stop=self._is_covered_ahead)
+        self.pilot.follow(heading, _FAR, start=start, stop=self._is_covered_ahead, dodge=_DODGE)
         self.pilot.turn_to(heading + np.pi)
         return self._drive_lane(wrap(heading + np.pi), part, line=point)
 
@@ -262,7 +264,7 @@ class CoverageStrategy:
     ) -> Lane | None:
         """Drive a lane from here, a node every 10 cm; None if it came to nothing."""
         vehicle = self.vehicle
-        lane, first = self._lanes, len(vehicle.graph)
+        lane, first = len(self._headings), len(vehicle.graph)
         vehicle.lane = lane
         start = self.pilot.position.copy()
         along = direction(heading)
@@ -277,7 +279,7 @@ class CoverageStrategy:
             return self._is_covered_ahead()
 
         base = start if line is None else line + float((start - line) @ along) * along
-        end = self.pilot.follow(heading, _FAR, start=base, stop=stop)
+        end = self.pilot.follow(heading, _FAR, start=base, stop=stop, dodge=_DODGE)
         if end is End.CONTACT:
             self.pilot.back_off()
         vehicle.lane = -1
@@ -291,7 +293,7 @@ class CoverageStrategy:
                 self._tried.extend(graph.position[first:].copy())
                 graph.remove_from(first)
                 return None
-        self._lanes += 1
+        self._headings.append(heading)
         if self._progress is not None:
             self._progress(len(graph), self.vehicle.time)
         return Lane(first, len(graph) - 1, part, heading)

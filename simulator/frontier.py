@@ -147,7 +147,9 @@ def propose_entrance(
     left, right = runs[rows, (outward + 1) % 4], runs[rows, (outward + 3) % 4]
     width = left + right
     if width.max() >= spec.piercing_width:
-        best = int(width.argmax())
+        # Long lanes, but at the lane spacing: 3 cm off count as much as 0.3 m of length.
+        off = np.abs(frontier.distance[order][reach] - spec.lane_spacing)
+        best = int(np.where(width >= spec.piercing_width, width - 10.0 * off, -np.inf).argmax())
         nearer = 1 if left[best] <= right[best] else 3
         heading = headings[(outward[best] + nearer) % 4]
         return Entrance(int(node[best]), points[best], float(heading), piercing=False)

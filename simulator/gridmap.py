@@ -27,6 +27,9 @@ _BLOCK = 128
 
 _HIT, _PASS, _CONTACT = 2, 1, 8
 _LOW, _HIGH, _BLOCKED = -2, 8, 2
+_RIM = 0.03
+"""The rim of the body's disc says nothing: what it touches is an obstacle, m."""
+_SUPPORT = (7, 7)
 _SHY = 0.06
 """A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
 
@@ -55,8 +58,10 @@ class GridMap:
         return self.corner + (cells + 0.5) * CELL
 
     def add_scan(self, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
-        """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m)."""
-        self._hold(pose[:2], 1.3)
+        """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m).
+
+        The body must have been entered here, which makes the grid large enough.
+        """
         hit = np.isfinite(ranges)
         reach = np.where(hit, ranges - _SHY, free)
         steps = np.arange(0.5 * CELL, 1.0, CELL)
@@ -77,18 +82,31 @@ class GridMap:
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
         self._hold(pose[:2], 1.3)
-        low, patch = self._patch(pose[:2], pose[:2], radius)
-        centres = self.corner + (low + np.stack(np.indices(patch), axis=-1) + 0.5) * CELL
-        inside = np.hypot(centres[..., 0] - pose[0], centres[..., 1] - pose[1]) < radius - 0.03
-        window = np.s_[low[0] : low[0] + patch[0], low[1] : low[1] + patch[1]]
-        self.seen[window] |= inside
-        self.evidence[window][inside] = _LOW
+        reach = np.arange(-radius, radius + CELL, CELL)
+        x, y = np.meshgrid(reach, reach)
+        inside = np.hypot(x, y) < radius - _RIM
+        disc = np.column_stack([x[inside], y[inside]])
+        i, j = self.cells(pose[:2] + disc).T
+        self.seen[i, j] = True
+        self.evidence[i, j] = _LOW
 
     def blocked_points(self, low: Floats, high: Floats, margin: float) -> Floats:
         """Centres of blocked cells in a box widened by ``margin``, m, shape (k, 2)."""
         corner, patch = self._patch(low, high, margin)
-        window = self.evidence[corner[0] : corner[0] + patch[0], corner[1] : corner[1] + patch[1]]
-        return self.centres(np.argwhere(window >= _BLOCKED) + corner)
+        window = np.s_[corner[0] : corner[0] + patch[0], corner[1] : corner[1] + patch[1]]
+        return self.centres(np.argwhere(self.blocked(window)) + corner)
+
+    def blocked(self, window: tuple[slice, slice] = np.s_[:, :]) -> Bools:
+        """Which cells in a part of the grid count as obstacles.
+
+        A single laser point does not: like the clustering of §2.2.2, this asks
+        for a second one within a few centimetres.
+        """
+        evidence = np.maximum(self.evidence[window], 0).astype(np.float32)
+        around = cv2.boxFilter(
+            evidence, -1, _SUPPORT, normalize=False, borderType=cv2.BORDER_CONSTANT
+        )
+        return np.asarray((evidence >= _BLOCKED) & (around >= 2 * _HIT))
 
     def clearance(self, points: Floats, limit: float = 0.3) -> Floats:
         """Distance from points (n, 2) to the nearest known obstacle, m, at most ``limit``."""
@@ -124,11 +142,15 @@ class GridMap:
         gap = to_point - np.clip(share, 0.0, 1.0)[:, None] * along
         return bool((gap * gap).sum(axis=1).min() >= clearance**2)
 
+    def room(self, window: tuple[slice, slice] = np.s_[:, :]) -> Floats:
+        """Distance of every cell in a part of the grid to known obstacles, m."""
+        free = np.ascontiguousarray(~self.blocked(window), dtype=np.uint8)
+        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return np.asarray(distance, dtype=np.float64) * CELL
+
     def open_cells(self, clearance: float) -> Bools:
         """All cells that the centre may stand in, shape of the grid."""
-        free = (self.evidence < _BLOCKED).astype(np.uint8)
-        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL
-        return np.asarray(self.seen & (distance >= clearance))
+        return np.asarray(self.seen & (self.room() >= clearance))
 
     def _mark(self, points: Floats, weight: int) -> None:
         x, y = self.cells(points).T
@@ -145,9 +167,10 @@ class GridMap:
 
     def _hold(self, point: Floats, margin: float) -> None:
         """Grow until everything within ``margin`` m of ``point`` is on the grid."""
-        box = self.cells(np.stack([point - margin, point + margin]))
-        before = np.where(box[0] < 0, _BLOCK, 0)
-        after = np.where(box[1] >= self.seen.shape, _BLOCK, 0)
+        low = (point - margin - self.corner) / CELL
+        high = (point + margin - self.corner) / CELL
+        before = np.where(low < 0, _BLOCK, 0)
+        after = np.where(high >= self.seen.shape, _BLOCK, 0)
         if before.any() or after.any():
             pads = tuple(zip(before.tolist(), after.tolist(), strict=True))
             self.evidence = np.pad(self.evidence, pads)

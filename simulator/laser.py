@@ -33,8 +33,10 @@ class SensorSpec:
         Time between two measurements, s.
     range_noise, range_noise_quadratic : float
         Standard deviation a + b·range², m.
-    dropout : float
-        Share of measurements that are missing (dark or shiny surfaces).
+    dropout, dropout_far : float
+        Share of measurements that are missing (dark, shiny or sunlit
+        surfaces), right at the robot and at the maximum range; it grows with
+        the square of the range, as a spot's brightness falls with it.
     false_rate : float
         Share of measurements with a wrong, uniformly distributed range.
     bumper_noise : float
@@ -43,10 +45,11 @@ class SensorSpec:
 
     beams: int = 8
     maximum_range: float = 1.0
-    period: float = 0.2
+    period: float = 0.5
     range_noise: float = 0.004
     range_noise_quadratic: float = 0.012
     dropout: float = 0.1
+    dropout_far: float = 1.0
     false_rate: float = 0.003
     bumper_noise: float = 0.15
 
@@ -56,7 +59,7 @@ class SensorSpec:
         for name in ("maximum_range", "period"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected > 0")
-        for name in ("dropout", "false_rate"):
+        for name in ("dropout", "dropout_far", "false_rate"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected 0..1")
         for name in ("range_noise", "range_noise_quadratic", "bumper_noise"):
@@ -121,6 +124,7 @@ def measure(true_range: Floats, spec: SensorSpec, rng: np.random.Generator) -> F
     wrong = rng.uniform(0.15, 1.0, n) * spec.maximum_range
     near = np.minimum(true_range, spec.maximum_range)
     measured = near + noise * (spec.range_noise + spec.range_noise_quadratic * near**2)
-    seen = (true_range <= spec.maximum_range) & (chance[0] >= spec.dropout)
+    missing = spec.dropout + (spec.dropout_far - spec.dropout) * (near / spec.maximum_range) ** 2
+    seen = (true_range <= spec.maximum_range) & (chance[0] >= missing)
     measured = np.where(seen & (measured <= spec.maximum_range), measured, np.nan)
     return np.where(chance[1] < spec.false_rate, wrong, measured)

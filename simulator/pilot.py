@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dataset.errors import RoomsegError
+from simulator.detour import plan_detour
 from simulator.robot import wrap
 from simulator.vehicle import Vehicle
 
@@ -22,6 +23,9 @@ _ATTEMPTS = 4
 _LOOK_AHEAD = 0.04
 _AHEAD = 0.01
 """A drive stops when the body is this near to a known obstacle, m, ..."""
+_SIDESTEP = 0.012
+_GLANCING = 0.2
+"""A contact more than 11° off the direction of travel can be dodged, rad."""
 _FRONTAL = 0.7
 """... that lies within 45° of the direction of travel (cosine)."""
 _TOLERANCE = 0.03
@@ -77,6 +81,7 @@ class Pilot:
         start: Floats | None = None,
         stop: Callable[[], bool] | None = None,
         careful: bool = True,
+        dodge: float = 0.0,
     ) -> End:
         """Drive along a line until its end, an obstacle, or ``stop``.
 
@@ -92,11 +97,13 @@ class Pilot:
             Asked after every step.
         careful : bool
             Stop before known obstacles rather than at the bumper.
+        dodge : float
+            After a glancing contact the line is moved aside, by so much in all, m.
         """
-        start = self.position.copy() if start is None else start
+        line = (self.position if start is None else start).copy()
         along = direction(heading)
         while True:
-            offset = self.position - start
+            offset = self.position - line
             remaining = length - float(offset @ along)
             if remaining < 0.004:
                 return End.ARRIVED
@@ -104,9 +111,28 @@ class Pilot:
                 return End.BLOCKED
             cross = float(along[0] * offset[1] - along[1] * offset[0])
             if self._step(*self._steering(heading, cross, remaining)):
-                return End.CONTACT
+                if dodge < _SIDESTEP or not self._is_glancing(heading):
+                    return End.CONTACT
+                dodge -= _SIDESTEP
+                line += self._sidestep(heading)
             if stop is not None and stop():
                 return End.STOPPED
+
+    def _is_glancing(self, heading: float) -> bool:
+        """Whether the last contact was not straight ahead."""
+        return abs(wrap(self.vehicle.estimate[2] + self.vehicle.contact - heading)) > _GLANCING
+
+    def _sidestep(self, heading: float) -> Floats:
+        """Back off and step aside, away from the last contact; the step, shape (2,), m."""
+        bearing = wrap(self.vehicle.estimate[2] + self.vehicle.contact - heading)
+        aside = heading - np.copysign(0.5 * np.pi, bearing)
+        self.back_off(_SIDESTEP)
+        self.turn_to(aside)
+        begin = self.position.copy()
+        self.follow(aside, _SIDESTEP, careful=False)
+        step = self.position - begin
+        self.turn_to(heading)
+        return np.asarray(step)
 
     def back_off(self, distance: float = 0.03) -> None:
         """Reverse a little, so that the next turn is free."""
@@ -114,7 +140,7 @@ class Pilot:
             if self._step(-0.5 * self.robot.speed, 0.0):
                 return
 
-    def drive_to(self, point: Floats, *, careful: bool = False) -> bool:
+    def drive_to(self, point: Floats) -> bool:
         """Turn towards a point and drive there; False if something is in the way."""
         for _ in range(3):
             gap = point - self.position
@@ -123,10 +149,18 @@ class Pilot:
                 return True
             heading = float(np.arctan2(gap[1], gap[0]))
             self.turn_to(heading)
-            end = self.follow(heading, length, careful=careful)
-            if end is not End.ARRIVED and not self._slide(point):
-                return False
+            if self.follow(heading, length, careful=False, dodge=0.08) is End.CONTACT:
+                self.back_off()
         return float(np.hypot(*(point - self.position))) < 0.05
+
+    def drive_around(self, point: Floats) -> bool:
+        """Drive to a point by the best way on the local grid."""
+        radius = self.robot.radius
+        for clearance in (radius + 0.02, radius - self.robot.caution, radius - 0.04):
+            way = plan_detour(self.vehicle.grid, self.position, point, clearance)
+            if len(way):
+                return all(self.drive_to(place) for place in self._shortcut(way))
+        return False
 
     def current_node(self) -> int:
         """The nearest node that the robot can drive to directly.
@@ -172,8 +206,10 @@ class Pilot:
             route = self._route(node)
             if not route:
                 return False
-            points = graph.position[route] if attempt else self._shortcut(graph.position[route])
-            if all(self.drive_to(point) for point in points):
+            points = graph.position[route]
+            if attempt == 0:
+                points = self._shortcut(points)
+            if all(self.drive_to(point) or self.drive_around(point) for point in points):
                 return True
             self.back_off()
         return False
@@ -200,23 +236,6 @@ class Pilot:
             kept.append(points[best])
             here, k = points[best], best + 1
         return np.array(kept)
-
-    def _slide(self, goal: Floats) -> bool:
-        """After a contact: move aside, along the obstacle, to the goal's side."""
-        self.back_off()
-        pose = self.vehicle.estimate.copy()
-        blocked = self.vehicle.grid.blocked_points(pose[:2], pose[:2], 0.25)
-        if len(blocked) == 0:
-            return True
-        gap = blocked - pose[:2]
-        nearest = gap[int((gap * gap).sum(axis=1).argmin())]
-        tangent = np.array([-nearest[1], nearest[0]]) / max(float(np.hypot(*nearest)), 1e-9)
-        side = float(tangent @ (goal - pose[:2]))
-        if abs(side) < 0.02:
-            return False
-        heading = float(np.arctan2(*(np.sign(side) * tangent)[::-1]))
-        self.turn_to(heading)
-        return self.follow(heading, min(0.06, abs(side)), careful=False) is End.ARRIVED
 
     def _steering(self, heading: float, cross: float, remaining: float) -> tuple[float, float]:
         """Speed and turn rate that lead back to the line."""

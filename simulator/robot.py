@@ -108,14 +108,14 @@ class RobotSpec:
     edge_radius: float = 0.40
     edge_clearance: float = 0.08
     cover_radius: float = 0.20
-    overlap_radius: float = 0.16
-    squeeze_spacing: float = 0.22
+    overlap_radius: float = 0.20
+    squeeze_spacing: float = 0.25
     minimum_lane: float = 0.35
     piercing_width: float = 0.35
     piercing_opening: float = 0.40
     frontier_area: float = 0.03
     frontier_depth: float = 0.05
-    visit_radius: float = 0.05
+    visit_radius: float = 0.03
     caution: float = 0.015
     last_caution: float = 0.04
     align_to_walls: bool = True

@@ -15,7 +15,7 @@ from simulator.graph import MapGraph
 from simulator.gridmap import GridMap
 from simulator.laser import SensorSpec, measure
 from simulator.localisation import corrected_estimate
-from simulator.robot import RobotSpec, WheelSlip, arc
+from simulator.robot import RobotSpec, WheelSlip, arc, wrap
 from simulator.world import World
 
 __all__ = ["Vehicle"]
@@ -47,11 +47,14 @@ class Vehicle:
         self.estimate: Floats = np.array(pose, dtype=np.float64)
         self.time = 0.0
         self.lane = -1
+        self.contact = 0.0
+        """Where the bumper was last pressed, rad from the heading."""
         self._world = world
         self._rng = rng
         self._slip = WheelSlip(robot, rng)
         self._true = self.estimate.copy()
         self._bearings = sensor.bearings()
+        self._gap = 0.0
         self._next_scan = 0.0
         self._next_correction = 0.0
         self._points: list[Floats] = []
@@ -67,9 +70,9 @@ class Vehicle:
         self.estimate = arc(self.estimate, share * left, share * right, base)
         self.time += dt
         if bearing is not None:
-            noise = self._rng.normal(0.0, self.sensor.bumper_noise)
-            self.grid.add_contact(self.estimate, bearing + noise, self.robot.radius)
-        self.grid.add_body(self.estimate, self.robot.radius)
+            noise = float(self._rng.normal(0.0, self.sensor.bumper_noise))
+            self.contact = wrap(bearing + noise)
+            self.grid.add_contact(self.estimate, self.contact, self.robot.radius)
         self._sense()
         self.graph.visit(self.estimate, self.time, self.robot.visit_radius)
         self._rows.append((self.time, *self._true, *self.estimate, float(self.lane)))
@@ -98,7 +101,11 @@ class Vehicle:
         rolled = self._slip.roll(left, right)
         base, radius = self.robot.wheel_base, self.robot.radius
         target = arc(self._true, *rolled, base)
-        if self._world.nearest(target)[0] >= radius:
+        # No need to look again while the way since the last look was shorter than the gap.
+        self._gap -= abs(left) + abs(right)
+        if self._gap < radius:
+            self._gap = self._world.nearest(target)[0]
+        if self._gap >= radius:
             self._true = target
             return 1.0, None
         low, high = 0.0, 1.0
@@ -124,6 +131,7 @@ class Vehicle:
         true_ranges = self._world.ranges(self._true, self._bearings, reach)
         ranges = measure(true_ranges, self.sensor, self._rng)
         angles = self.estimate[2] + self._bearings
+        self.grid.add_body(self.estimate, self.robot.radius)
         self.grid.add_scan(self.estimate, angles, ranges, min(_FREE_WITHOUT_SPOT, reach))
         beam = np.flatnonzero(np.isfinite(ranges))
         direction = np.stack([np.cos(angles[beam]), np.sin(angles[beam])], axis=1)

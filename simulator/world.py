@@ -57,21 +57,23 @@ class World:
             self._cache[key] = self.walls[np.sort(self._tree.query(box))]
         return self._cache[key]
 
-    def nearest(self, point: Floats, reach: float = 0.25) -> tuple[float, float]:
+    def nearest(self, point: Floats, reach: float = 0.5) -> tuple[float, float]:
         """Distance, m, and direction, rad, of the nearest obstacle.
 
-        The distance is ``inf`` where nothing is within ``reach``.
+        Where nothing is within ``reach`` m, the distance is ``reach``.
         """
         walls = self.near(point, reach)
         if len(walls) == 0:
-            return float("inf"), 0.0
+            return reach, 0.0
         start, along = walls[:, 0], walls[:, 1] - walls[:, 0]
         to_point = point[:2] - start
         share = (to_point * along).sum(axis=1) / (along * along).sum(axis=1)
         gap = np.clip(share, 0.0, 1.0)[:, None] * along - to_point
         squared = (gap * gap).sum(axis=1)
         best = int(squared.argmin())
-        return float(np.sqrt(squared[best])), float(np.arctan2(gap[best, 1], gap[best, 0]))
+        return min(float(np.sqrt(squared[best])), reach), float(
+            np.arctan2(gap[best, 1], gap[best, 0])
+        )
 
     def ranges(self, pose: Floats, bearings: Floats, reach: float) -> Floats:
         """True ranges of beams from the centre, m; ``inf`` beyond ``reach``."""

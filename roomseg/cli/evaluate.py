@@ -15,7 +15,7 @@ from roomseg.cli.features import (
     subset_option,
 )
 from roomseg.cli.options import json_option, maps_argument, seed_option
-from roomseg.cli.output import progress_bar, write_json, write_table
+from roomseg.cli.output import follow, progress_bar, write_json, write_table
 
 if TYPE_CHECKING:
     from roomseg.evaluation import Evaluation
@@ -49,17 +49,27 @@ def command(
     """
     from roomseg.evaluation import leave_one_environment_out
 
+    _check_environments(maps)
     chosen = chosen_parameters(**parameters)
     labelled = labelled_maps(maps, subset)
     with progress_bar("maps") as bar:
-        task = bar.add_task("leave one out", total=len(labelled))
-
-        def show(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
-
+        show = follow(bar, "leave one out")
+        show(0, len(labelled))
         evaluation = leave_one_environment_out(labelled, chosen, seed=seed, progress=show)
     write_json(json_file, _figures(maps, subset, seed, evaluation))
     _print(evaluation)
+
+
+def _check_environments(maps: tuple[Path, ...]) -> None:
+    """Refuse maps of one place, before minutes are spent on their images."""
+    from dataset import RoomsegError, read_map
+
+    names = {read_map(path).environment for path in maps}
+    if len(names) < 2:
+        raise RoomsegError(
+            f"maps: all of the environment {names.pop()!r}, expected at least 2 environments "
+            "to leave one out"
+        )
 
 
 def _figures(

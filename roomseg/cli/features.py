@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from rich.progress import Progress
 
-from roomseg.cli.output import progress_bar
+from roomseg.cli.output import follow, progress_bar
 
 if TYPE_CHECKING:
     from dataset import MapFile
@@ -97,13 +97,10 @@ def compute(file: MapFile, names: Sequence[str], bar: Progress) -> EdgeFeatures:
     """Compute the edge features of one map, with a line of progress."""
     from roomseg.features import edge_features
 
-    task = bar.add_task(file.path.name, total=len(file.done))
-
-    def show(done: int, total: int) -> None:
-        bar.update(task, completed=done, total=total)
-
+    show = follow(bar, file.path.name)
+    show(0, len(file.done))
     features = edge_features(file, names, progress=show)
-    bar.update(task, completed=len(file.done))
+    show(len(file.done), len(file.done))
     return features
 
 

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from roomseg.cli.options import output_option, seed_option
+
+if TYPE_CHECKING:
+    from scenes.palettes import Contrast, Source
+
+AREA_PER_ROOM = 12.5
+"""Clear floor per room if nothing else is asked for, m²."""
 
 EXAMPLE = """\b
 Example:
@@ -18,10 +25,12 @@ Example:
 @click.command("generate", epilog=EXAMPLE)
 @seed_option
 @click.option(
-    "--rooms", type=click.IntRange(1, 20), default=4, show_default=True, help="How many rooms."
+    "--rooms", type=click.IntRange(1, 12), default=4, show_default=True, help="How many rooms."
 )
 @click.option(
-    "--area", type=click.FloatRange(5.0, 1000.0), help="Floor space, m²; chosen if absent."
+    "--area",
+    type=click.FloatRange(6.0, 360.0),
+    help="Clear floor, m², 6 to 30 per room; 12.5 per room if absent.",
 )
 @click.option(
     "--contrast",
@@ -39,13 +48,18 @@ Example:
 )
 @output_option("The apartment, JSON.")
 def command(
-    *, seed: int, rooms: int, area: float | None, contrast: str, lighting: str, output: Path
+    *, seed: int, rooms: int, area: float | None, contrast: Contrast, lighting: Source, output: Path
 ) -> None:
     """Make up an apartment that could be real."""
-    from scenes import generate_apartment, save_apartment
+    from scenes import save_apartment
+    from scenes.generator import generate_apartment
 
     apartment = generate_apartment(
-        seed, rooms=rooms, area=area, contrast=contrast, lighting=lighting
+        seed,
+        rooms=rooms,
+        area=AREA_PER_ROOM * rooms if area is None else area,
+        contrast=contrast,
+        lighting=lighting,
     )
     save_apartment(apartment, output)
     click.echo(f"{output}: {len(apartment.rooms)} rooms, {len(apartment.furniture)} pieces")

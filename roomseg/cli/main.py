@@ -92,6 +92,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         code = cli.main(args=arguments, prog_name="roomseg", standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as help_:
+        click.echo(help_.format_message(), err=True)
+        return BAD_INPUT
     except (click.Abort, KeyboardInterrupt):
         return _say("stopped; call it again to go on", STOPPED, "")
     except BrokenPipeError:

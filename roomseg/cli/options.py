@@ -65,12 +65,8 @@ jobs_option = click.option(
 
 def output_option(text: str, default: str | None = None) -> Callable[[Command], Command]:
     """Make ``-o FILE``; required if it has no default."""
-    return click.option(
-        "-o",
-        "--output",
-        type=OutputFile(),
-        required=default is None,
-        default=default,
-        show_default=default is not None,
-        help=text,
+    # An explicit default of None would make click take the option as given.
+    given: dict[str, Any] = (
+        {"required": True} if default is None else {"default": default, "show_default": True}
     )
+    return click.option("-o", "--output", type=OutputFile(), help=text, **given)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,26 +17,30 @@ from rich.progress import (
     ProgressColumn,
     Task,
     TextColumn,
-    TimeElapsedColumn,
     TimeRemainingColumn,
 )
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["progress_bar", "write_json", "write_table"]
+__all__ = ["follow", "progress_bar", "write_json", "write_table"]
+
+
+MOST_COLUMNS = 1000
+"""No table is wider."""
 
 
 class _Rate(ProgressColumn):
-    """How many per minute."""
+    """How many per minute since the beginning, without those that were there before."""
 
     def __init__(self, unit: str) -> None:
         super().__init__()
         self.unit = unit
 
     def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        rate = "-" if speed is None else f"{60.0 * speed:.3g}"
-        return Text(f"{rate} {self.unit}/min")
+        seconds = task.finished_time or task.elapsed
+        new = task.completed - task.fields.get("begin", 0)
+        rate = f"{60.0 * new / seconds:.3g}" if seconds and new else "-"
+        return Text(f"{rate} {self.unit}/min", no_wrap=True)
 
 
 @contextmanager
@@ -50,17 +54,39 @@ def progress_bar(unit: str) -> Iterator[Progress]:
     """
     columns = (
         TextColumn("{task.description}"),
-        BarColumn(),
+        BarColumn(bar_width=20),
         MofNCompleteColumn(),
         _Rate(unit),
-        TextColumn("left"),
         TimeRemainingColumn(),
-        TextColumn("after"),
-        TimeElapsedColumn(),
+        TextColumn("left"),
     )
     # A long window: Blender's first frame of a map takes far longer than the others.
-    with Progress(*columns, console=Console(stderr=True), speed_estimate_period=120.0) as bar:
+    bar = Progress(*columns, console=Console(stderr=True), speed_estimate_period=120.0)
+    bar.start()
+    try:
         yield bar
+    except BaseException:
+        # The error is one line; neither a bar nor an empty line stays above it.
+        bar.live.transient = True
+        bar.live.stop()
+        raise
+    bar.stop()
+
+
+def follow(bar: Progress, name: str) -> Callable[[int, int], None]:
+    """Add a line to a bar, and return what moves it: called with (done, total)."""
+    task = bar.add_task(name, total=None)
+    begun = False
+
+    def show(done: int, total: int) -> None:
+        nonlocal begun
+        if not begun:
+            # The rate counts from here, without what was there before.
+            bar.reset(task, total=total, completed=done, begin=done)
+            begun = True
+        bar.update(task, total=total, completed=done)
+
+    return show
 
 
 def write_json(path: Path | None, figures: Any) -> None:
@@ -80,6 +106,7 @@ def write_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
         table.add_row(*row)
     # Piped output has no width of its own; a table for a file must not be cut.
     console = Console()
-    width = console.measure(table).maximum
-    Console(width=max(width, console.width) if not console.is_terminal else None).print(table)
+    if not console.is_terminal:
+        console = Console(width=Console(width=MOST_COLUMNS).measure(table).maximum)
+    console.print(table)
     click.echo(nl=False)

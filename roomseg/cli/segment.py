@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 EXAMPLE = """\b
 Example:
-  roomseg segment maps/home7-run1.h5 --model model.skops --rooms 5
-  roomseg view maps/home7-run1.h5 --show rooms -o rooms.png
+  roomseg segment maps/home-7-run1.h5 --model model.skops --rooms 5
+  roomseg view maps/home-7-run1.h5 --show rooms -o rooms.png
 """
 
 

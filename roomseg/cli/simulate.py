@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import signal
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict, dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,13 +13,17 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from roomseg.cli.options import jobs_option, seed_option
-from roomseg.cli.output import progress_bar
+from roomseg.cli.options import jobs_option, json_option, seed_option
+from roomseg.cli.output import progress_bar, write_json
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from scenes import Apartment
+    from simulator import CoverageReport
+
+    Show = Callable[[int, float], None]
+    """Told the nodes and the simulated seconds."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,7 @@ class _Run:
     apartment: Apartment
     name: str
     seed: int
+    created: str
     output: Path
 
 
@@ -53,8 +59,25 @@ Example:
     help="Folder of the map files; made if it is missing.",
 )
 @jobs_option
+@click.option(
+    "--created",
+    default="1970-01-01T00:00:00Z",
+    show_default=True,
+    help="ISO date to write into the maps; a clock would make equal seeds give other bytes.",
+)
 @click.option("--force", is_flag=True, help="Simulate again where a map is already there.")
-def command(*, apartment: str, runs: int, seed: int, output: Path, jobs: int, force: bool) -> None:
+@json_option
+def command(
+    *,
+    apartment: str,
+    runs: int,
+    seed: int,
+    output: Path,
+    jobs: int,
+    created: str,
+    force: bool,
+    json_file: Path | None,
+) -> None:
     """Clean APARTMENT and write one map file per run.
 
     APARTMENT is a file or the name of a reference place. Maps that are already
@@ -67,15 +90,53 @@ def command(*, apartment: str, runs: int, seed: int, output: Path, jobs: int, fo
     todo = []
     for number in range(1, runs + 1):
         path = output / f"{place.name}-run{number}.h5"
+        run = _Run(place, f"run{number}", run_seed(seed, number), created, path)
         if path.exists() and not force:
+            _check_same(run)
             click.echo(f"{path}: already there")
         else:
-            todo.append(_Run(place, f"run{number}", run_seed(seed, number), path))
+            todo.append(run)
+    reports = _report_all(place.name, todo, jobs) if todo else {}
+    figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
+    write_json(json_file, {"seed": seed, "maps": figures})
+
+
+def _check_same(run: _Run) -> None:
+    """Refuse to take the map of another apartment or seed for the one that is wanted."""
+    from dataset import RoomsegError, read_map
+
+    topomap = read_map(run.output)
+    place, seed = run.apartment.model_dump_json(), run.seed
+    if topomap.scene != place or topomap.seed != seed:
+        what = "apartment" if topomap.scene != place else "seed"
+        raise RoomsegError(
+            f"{run.output}: already there, but of another {what}; "
+            "choose another folder, or simulate again (--force)"
+        )
+
+
+def _report_all(name: str, runs: list[_Run], jobs: int) -> dict[Path, CoverageReport]:
+    """Simulate, with a line of progress, and a line of figures for each run."""
+    reports = {}
     with progress_bar("runs") as bar:
-        task = bar.add_task(place.name, total=len(todo))
-        for line in _simulate_all(todo, jobs):
+        task = bar.add_task(name, total=len(runs))
+
+        def show(nodes: int, seconds: float) -> None:
+            bar.update(task, description=f"{name}: {nodes} nodes, {seconds / 60:.0f} min")
+
+        for path, report in _simulate_all(runs, jobs, show):
+            reports[path] = report
             bar.advance(task)
-            click.echo(line)
+            click.echo(f"{path}: {_line(report)}")
+    return reports
+
+
+def _line(report: CoverageReport) -> str:
+    return (
+        f"{report.nodes} nodes, {100 * report.coverage:.1f} % covered, "
+        f"{report.path_length:.0f} m driven in {report.duration / 60:.0f} min, "
+        f"{report.nodes_per_m2:.1f} nodes/m², drift {report.drift:.2f} m"
+    )
 
 
 def run_seed(seed: int, number: int) -> int:
@@ -83,36 +144,42 @@ def run_seed(seed: int, number: int) -> int:
     return int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
 
 
-def _simulate_all(runs: list[_Run], jobs: int) -> Iterator[str]:
+def _simulate_all(runs: list[_Run], jobs: int, show: Show) -> Iterator[tuple[Path, CoverageReport]]:
     if jobs == 1 or len(runs) < 2:
-        yield from map(_simulate, runs)
+        yield from (_simulate(run, show) for run in runs)
         return
+    from dataset import RoomsegError
+
     # Spawned, not forked: threads of numerical libraries do not survive a fork.
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_leave_stopping_to_parent)
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_die_quietly)
     try:
         for future in as_completed([pool.submit(_simulate, run) for run in runs]):
             yield future.result()
+    except BrokenProcessPool as error:
+        raise RoomsegError("a simulating process died; call the command again to go on") from error
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _leave_stopping_to_parent() -> None:
-    """Ctrl-C reaches the whole group: the run in progress ends, the parent says one line."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _die_quietly() -> None:
+    """Ctrl-C reaches the whole process group; only the parent has something to say about it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def _simulate(run: _Run) -> str:
-    """Simulate one run, write its map, and report on it in one line."""
+def _simulate(run: _Run, show: Show | None = None) -> tuple[Path, CoverageReport]:
+    """Simulate one run, write its map, and report on it."""
     from dataset import discard_frames, write_map
     from dataset.journal import journal_path
     from roomseg.ground_truth import label_rooms
     from simulator import coverage_report, simulate
 
-    topomap = simulate(run.apartment, run=run.name, seed=run.seed)
+    topomap = simulate(
+        run.apartment, run=run.name, seed=run.seed, created=run.created, progress=show
+    )
     report = coverage_report(topomap, run.apartment)
     topomap = label_rooms(topomap)
     if journal_path(run.output).exists():
         # Frames of the map that is being replaced would not fit the new one.
         discard_frames(run.output)
     write_map(run.output, topomap)
-    return f"{run.output}: {report}"
+    return run.output, report

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from roomseg.cli.options import maps_argument
+from roomseg.cli.options import json_option, maps_argument
+from roomseg.cli.output import write_json
 
 EXAMPLE = """\b
 Example:
@@ -16,7 +17,8 @@ Example:
 
 @click.command("validate", epilog=EXAMPLE)
 @maps_argument
-def command(*, maps: tuple[Path, ...]) -> int:
+@json_option
+def command(*, maps: tuple[Path, ...], json_file: Path | None) -> int:
     """Tell everything that is wrong with map files.
 
     Prints one line per problem. The exit code is 0 if there is none, 1 if
@@ -27,12 +29,11 @@ def command(*, maps: tuple[Path, ...]) -> int:
 
     for path in maps:
         open_map(path).close()
-    bad = 0
-    for path in maps:
-        found = list(problems(path))
-        bad += bool(found)
+    problems_of = {str(path): list(problems(path)) for path in maps}
+    write_json(json_file, problems_of)
+    for name, found in problems_of.items():
         for problem in found:
-            click.echo(problem if problem.startswith(str(path)) else f"{path}: {problem}")
+            click.echo(problem if problem.startswith(f"{name}: ") else f"{name}: {problem}")
         if not found:
-            click.echo(f"{path}: good")
-    return 1 if bad else 0
+            click.echo(f"{name}: good")
+    return 1 if any(problems_of.values()) else 0

@@ -216,11 +216,12 @@ def draw_lintel_histogram(
 def _mark_maximum(ax: Any, centre: tuple[Any, Any], count: int, offset_limit: float) -> None:
     """Ring the highest bin and write its count on the side that has room."""
     side = -1 if centre[0] > 0.2 * offset_limit else 1
+    below = -15 if centre[1] < 15.0 else 0
     ax.plot(*centre, "o", ms=13, mfc="none", mec="#E8562A", mew=1.8, gid="maximum")
     ax.annotate(
         rf"$\hat H$ = {count}",
         centre,
-        xytext=(11 * side, 0),
+        xytext=(11 * side, below),
         textcoords="offset points",
         ha="left" if side > 0 else "right",
         va="center",

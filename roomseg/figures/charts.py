@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from roomseg.figures.plans import draw_circles
@@ -85,7 +86,7 @@ def draw_passage_width(
     *,
     obstacles: ArrayLike,
     closest: ArrayLike | None,
-    half_length: float,
+    strip: tuple[float, float],
     title: str | None = None,
 ) -> None:
     """Show how the passageway width L of one edge comes about (Fig. 7).
@@ -99,18 +100,18 @@ def draw_passage_width(
     closest : array, shape (2, 2), or None
         The obstacle points nearest to the edge on either side, m; their
         distance is L. None: not enough obstacle data.
-    half_length : float
-        The search area reaches that far along the edge from its middle, m.
+    strip : tuple of float
+        Where the search area begins and ends along the edge, from its middle, m.
     """
     ends, points = np.asarray(edge, dtype=float), np.asarray(obstacles, dtype=float).reshape(-1, 2)
     middle = ends.mean(axis=0)
     along = (ends[1] - ends[0]) / max(float(np.hypot(*(ends[1] - ends[0]))), 1e-9)
     across = np.array([-along[1], along[0]])
     reach = np.abs((points - middle) @ across).max(initial=0.5) + 0.1
-    for side in (-1.0, 1.0):
-        line = middle + side * half_length * along + np.outer([-reach, reach], across)
+    for limit in strip:
+        line = middle + limit * along + np.outer([-reach, reach], across)
         ax.plot(*line.T, color=TRAVEL_GREY, ls=(0, (4, 3)), lw=1.0, gid="search-area")
-    ax.scatter(*points.T, s=14, facecolors="none", edgecolors=INK, linewidths=0.7, gid="points")
+    ax.scatter(*points.T, s=7, facecolors="none", edgecolors=INK, linewidths=0.5, gid="points")
     ax.plot(*ends.T, "-o", color=OBSTACLE_BLUE, lw=2.0, ms=6, gid="edge", zorder=4)
     if closest is not None:
         _draw_width(ax, np.asarray(closest, dtype=float), middle, along)
@@ -133,10 +134,12 @@ def _draw_width(
     ax.annotate(
         f"L = {width:.2f} m",
         pair.mean(axis=0),
-        xytext=(8, 8),
+        xytext=(0, 13),
         textcoords="offset points",
         color=EDGE_RED,
-        fontsize=9,
+        fontsize=10,
+        path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        zorder=6,
     )
 
 

@@ -133,7 +133,7 @@ def draw_graph(
         raise ValueError(f"is_border: shape {marked.shape}, expected ({len(pairs)},)")
     frame = _graph_frame(topomap)
     if outlines is not None and frame == "scene":
-        draw_outlines(ax, outlines, linewidth=0.6, alpha=0.45)
+        draw_outlines(ax, outlines, linewidth=0.5, alpha=0.45)
     segments = node_positions(topomap, frame)[pairs]
     ax.add_collection(
         LineCollection(

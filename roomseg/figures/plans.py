@@ -86,7 +86,7 @@ def draw_circles(ax: Any, centres: Floats, diameter: float) -> Any:
     return circles
 
 
-def draw_outlines(ax: Any, plan: Plan, linewidth: float = 0.8, alpha: float = 1.0) -> None:
+def draw_outlines(ax: Any, plan: Plan, linewidth: float = 0.6, alpha: float = 1.0) -> None:
     """Draw obstacle outlines in blue, as in Figs. 3 and 22."""
     lines = LineCollection(
         plan_rings(plan),

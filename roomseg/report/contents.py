@@ -25,6 +25,7 @@ __all__ = [
     "LintelView",
     "MapResult",
     "Measure",
+    "PassageView",
     "Place",
     "Report",
     "Snapshot",
@@ -90,6 +91,22 @@ class LintelView:
     directions: tuple[float, float]
     offsets: tuple[float, float]
     offset_limit: float
+
+
+@dataclass(frozen=True)
+class PassageView:
+    """The passageway width of one edge, for Fig. 7, in the robot's estimate.
+
+    ends (2, 2) are its nodes, obstacles (k, 2) the points near it, closest
+    (2, 2) the two whose distance is L, m; ``strip`` is where the search area
+    begins and ends along the edge, from its middle, m.
+    """
+
+    ends: NDArray[np.float64]
+    obstacles: NDArray[np.float64]
+    closest: NDArray[np.float64]
+    strip: tuple[float, float]
+    width: float
 
 
 @dataclass(frozen=True)

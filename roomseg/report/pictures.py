@@ -25,6 +25,7 @@ from roomseg.figures import (
     draw_lintel_histogram,
     draw_lintel_search,
     draw_obstacle_map,
+    draw_passage_width,
     draw_roc,
     draw_rooms,
     new_figure,
@@ -32,7 +33,8 @@ from roomseg.figures import (
 )
 from roomseg.figures.graphs import wrong_nodes
 from roomseg.figures.plans import node_positions, plan_rings
-from roomseg.report.contents import LintelView, MapResult, Place, Report, Snapshot
+from roomseg.report.contents import LintelView, MapResult, PassageView, Place, Report, Snapshot
+from roomseg.report.views import measure_passage
 
 __all__ = [
     "Picture",
@@ -75,7 +77,8 @@ def _plan_picture(
     points = [node_positions(result.topomap)]
     if place.outlines is not None:
         points += plan_rings(place.outlines)
-    extent = np.ptp(np.vstack(points), axis=0)
+    corners = np.vstack(points)
+    extent = np.ptp(corners, axis=0) if len(corners) else np.ones(2)
     height = float(np.clip(extent[1] / max(extent[0], 0.1), 0.4, 1.6))
     figure = new_figure(_PLAN_WIDTH, _PLAN_WIDTH * height)
     draw(figure.subplots())
@@ -89,6 +92,9 @@ def place_pictures(place: Place) -> Iterator[Picture]:
         return
     yield from _cleaning_pictures(place, place.maps[0])
     yield from _graph_pictures(place, place.maps[0])
+    passage = measure_passage(place.maps[0].topomap, place.maps[0].kept)
+    if passage is not None:
+        yield _passage_picture(place.maps[0], passage)
 
 
 def _cleaning_pictures(place: Place, result: MapResult) -> Iterator[Picture]:
@@ -149,6 +155,25 @@ def _graph_pictures(place: Place, result: MapResult) -> Iterator[Picture]:
         "Preprocessed graph" if result.border is None else "Classified edges",
         f"The {len(result.kept):,} edges kept by Algorithm 1{said}.",
         f"Preprocessed graph of {result.name}, {len(result.kept)} edges, {marked} marked as border",
+    )
+
+
+def _passage_picture(result: MapResult, view: PassageView) -> Picture:
+    middle, (x, y) = view.ends.mean(axis=0), view.ends[1] - view.ends[0]
+    upright = np.array([[y, x], [-x, y]]) / np.hypot(x, y)  # turns the edge to point up
+    ends, obstacles, closest = (
+        (points - middle) @ upright for points in (view.ends, view.obstacles, view.closest)
+    )
+    near = obstacles[np.abs(obstacles[:, 1]) < view.strip[1] + 0.4]
+    figure = new_figure(_PLAN_WIDTH, 0.7 * _PLAN_WIDTH)
+    draw_passage_width(figure.subplots(), ends, obstacles=near, closest=closest, strip=view.strip)
+    return Picture.of(
+        png_bytes(figure, dpi=230),
+        f"{result.name} passage",
+        "A passageway's width",
+        "At one border edge (blue): nearby obstacle points, the search area, and the closest "
+        "points on either side.",
+        f"Obstacle points around an edge of {result.name} and the width of {view.width:.2f} m",
     )
 
 

@@ -1,4 +1,4 @@
-"""The journal under crashes: killed after every line, and cut off at every byte."""
+"""The journal under crashes: killed at any line, and cut off at every byte."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from sample_maps import CAMERA, images_of, two_rooms
+from sample_maps import CAMERA, assert_same, images_of, two_rooms
 
 import dataset
 from dataset import (
@@ -22,6 +22,7 @@ from dataset import (
     RoomsegError,
     discard_frames,
     problems,
+    read_map,
     write_map,
     write_rooms,
 )
@@ -156,15 +157,23 @@ def run_and_die(work, line: int | None) -> tuple[bool, list[int]]:
     return False, reported
 
 
-@pytest.mark.parametrize("already", [[], [1, 6]], ids=["new", "resumed"])
-def test_killed_after_any_line_nothing_is_lost(tmp_path, topomap, already):
+@pytest.mark.parametrize(
+    ("already", "first", "step"),
+    [
+        pytest.param([], 0, 37, id="new"),
+        pytest.param([1, 6], 19, 37, id="resumed"),
+        pytest.param([], 0, 1, id="new-every-line", marks=pytest.mark.slow),
+        pytest.param([1, 6], 0, 1, id="resumed-every-line", marks=pytest.mark.slow),
+    ],
+)
+def test_killed_at_any_line_nothing_is_lost(tmp_path, topomap, already, first, step):
     path = tmp_path / "map.h5"
     write_map(path, topomap)
     render(path, already)
     start = path.read_bytes()
     render(path, [1, 2, 6])
     expected = path.read_bytes()
-    line, killed = 0, True
+    line, killed = first, True
     while killed:
         path.write_bytes(start)
         journal_path(path).unlink(missing_ok=True)
@@ -178,7 +187,7 @@ def test_killed_after_any_line_nothing_is_lost(tmp_path, topomap, already):
         render(path, [1, 2, 6])
         assert path.read_bytes() == expected
         assert files_beside(path) == ["map.h5"]
-        line += 7
+        line += step
     assert line > 300
 
 
@@ -273,13 +282,19 @@ def test_frames_of_two_presets_do_not_mix(map_path):
         FrameJournal(map_path, preset="reference")
 
 
-def test_discarded_frames_make_room_for_another_camera(map_path):
-    render(map_path, [1, 2])
+def test_discarded_frames_make_room_for_another_camera(map_path, topomap):
+    small, smaller = FisheyeCamera().resized(8), FisheyeCamera().resized(4)
+    for camera in (small, smaller):
+        with FrameJournal(map_path, camera) as journal:
+            journal.append(0, np.ones(camera.image_size, np.uint8), 1.0)
+            journal.pack()
+            journal.append(3, np.ones(camera.image_size, np.uint8), 1.0)
+        assert read_map(map_path).camera == camera
+        discard_frames(map_path)
+        assert files_beside(map_path) == [map_path.name]
+        # The map's own camera is back, not the one of the discarded frames.
+        assert_same(read_map(map_path), topomap)
     with FrameJournal(map_path) as journal:
-        journal.append(3, IMAGES[3], 1.0)
-    discard_frames(map_path)
-    assert files_beside(map_path) == [map_path.name]
-    with FrameJournal(map_path, FisheyeCamera().resized(8)) as journal:
         assert journal.done == set()
 
 

@@ -279,6 +279,17 @@ def test_a_lock_file_left_by_a_crash_locks_nobody_out(map_path, topomap):
     assert not Path(f"{map_path}.lock").exists()
 
 
+def test_a_link_to_a_map_stays_a_link(tmp_path, map_path, topomap):
+    link = tmp_path / "link.h5"
+    link.symlink_to(map_path)
+    with locked(map_path), pytest.raises(RoomsegError, match="another process"):
+        write_map(link, topomap)
+    write_rooms(link, np.zeros(8), model="m", rooms=1)
+    assert link.is_symlink()
+    with MapFile(map_path) as file:
+        assert file.rooms is not None
+
+
 def test_replacing_needs_the_whole_body(tmp_path):
     target = tmp_path / "file.txt"
     target.write_text("old")

@@ -23,8 +23,8 @@ from scenes.mesh import Mesh
 
 CAMERAS = {
     "simulated": FisheyeCamera(),
-    "full_frame": FisheyeCamera(np.radians(185.0), 450.0, (512, 640), (250.5, 331.5)),
-    "cropped": FisheyeCamera(np.radians(185.0), 449.3, (200, 640), (101.0, 320.0)),
+    "full_frame": FisheyeCamera(np.radians(185.0), 150.0, (170, 213), (83.5, 110.5)),
+    "cropped": FisheyeCamera(np.radians(185.0), 149.3, (67, 213), (34.0, 107.0)),
     "small": FisheyeCamera().resized(96),
 }
 POSE = np.array([1.0, -2.0, 0.7])
@@ -76,7 +76,7 @@ def directions(bpy: Any, camera: FisheyeCamera) -> np.ndarray:
     scene = empty_scene(bpy)
     direction_world(bpy, scene)
     add_camera(bpy, scene, camera)
-    configure(scene, Preset("probe", samples=16, denoise=False))
+    configure(scene, Preset("probe", samples=8, denoise=False))
     return FrameSource(bpy, scene, camera).colour(POSE)
 
 
@@ -107,7 +107,7 @@ def markers(bpy: Any) -> dict[str, np.ndarray]:
     for a, z in zip(azimuth, zenith, strict=True):
         marker(bpy, scene, a, z, camera)
     add_camera(bpy, scene, camera)
-    configure(scene, Preset("probe", samples=64, denoise=False))
+    configure(scene, Preset("probe", samples=16, denoise=False))
     image = luminance(FrameSource(bpy, scene, camera).colour(POSE))
     return {"markers": image, "marker_azimuth": azimuth, "marker_zenith": zenith}
 

@@ -121,6 +121,8 @@ def cleaned_flat(name: str = "flat", seed: int = 7, real: bool = False) -> TopoM
         borders = drift(borders.reshape(-1, 2)).reshape(-1, 2, 2)
     truth = GroundTruth(borders, "map" if real else "scene", crossed, 3, room)
     points = laser_points(rng)
+    seen = cKDTree(position).query(points)[1]  # from the nearest node
+    points, seen = points[np.argsort(seen)], np.sort(seen)
     return TopoMap(
         environment=name,
         run="run1",
@@ -130,9 +132,7 @@ def cleaned_flat(name: str = "flat", seed: int = 7, real: bool = False) -> TopoM
         nodes=nodes,
         edges=pairs,
         visits=Visits(np.arange(len(position)), np.arange(len(position)) * 0.3),
-        obstacles=Obstacles(
-            drift(points), np.sort(rng.uniform(0, 300, len(points))), np.zeros(len(points))
-        ),
+        obstacles=Obstacles(drift(points), seen * 0.3, np.zeros(len(points))),
         path=None if real else driven_path([points for _, _, points in runs]),
         ground_truth=truth,
     )

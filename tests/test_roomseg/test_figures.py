@@ -45,8 +45,10 @@ from roomseg.figures import (
 )
 from roomseg.figures.plans import lane_tracks, plan_rings
 from roomseg.figures.style import BORDER_EDGE_GREEN, EDGE_RED, OBSTACLE_BLUE, room_colours
+from roomseg.passage_width import passageway_widths
 from roomseg.passageway import LintelParameters, LintelSearch, edge_pixels
 from roomseg.report import search_lintel
+from roomseg.report.views import measure_passage
 
 
 @pytest.fixture(autouse=True)
@@ -332,17 +334,32 @@ def test_roc_marks_youdens_j():
 def test_passage_width_joins_the_closest_points(ax):
     points = np.array([[0.0, 0.5], [0.1, -0.4], [0.3, 0.9]])
     draw_passage_width(
-        ax, [[-0.1, 0.0], [0.1, 0.0]], obstacles=points, closest=points[:2], half_length=0.22
+        ax, [[-0.1, 0.0], [0.1, 0.0]], obstacles=points, closest=points[:2], strip=(-0.22, 0.27)
     )
     assert_allclose(np.transpose(artist(ax, "width").get_data()), points[:2])
+    sides = ax.findobj(lambda a: a.get_gid() == "search-area")
+    assert_allclose([side.get_xdata() for side in sides], [[-0.22] * 2, [0.27] * 2])
     assert f"L = {np.hypot(0.1, 0.9):.2f} m" in [text.get_text() for text in ax.texts]
     draw_passage_width(
         new_figure().subplots(),
         [[0, 0], [0, 1]],
         obstacles=np.empty((0, 2)),
         closest=None,
-        half_length=1,
+        strip=(-1, 1),
     )
+
+
+def test_the_passage_shown_is_the_width_that_the_method_measures(flat):
+    edges = flat.edges[flat.ground_truth.edge_is_border].astype(np.int64)
+    widths = passageway_widths(flat, edges)
+    measured = np.sort(widths[widths < 5.0])
+    view = measure_passage(flat)
+    assert view.width == measured[len(measured) // 2]
+    assert np.linalg.norm(view.closest[1] - view.closest[0]) == pytest.approx(view.width)
+    assert (view.closest[:, None] == view.obstacles[None]).all(axis=2).any(axis=1).all()
+    ends = (flat.nodes.position[edges] == view.ends).all(axis=(1, 2))
+    assert ends.sum() == 1 and widths[ends] == view.width
+    assert measure_passage(flat, flat.edges[:5]) is None  # none of them crosses a border
 
 
 def test_charts_of_the_experiments(ax):

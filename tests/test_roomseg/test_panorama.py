@@ -71,7 +71,9 @@ def test_signature_by_definition() -> None:
             row = panorama[6 * segment : 6 * segment + 6].mean(axis=0)
             for order in range(12):
                 expected.append(
-                    np.hypot((row * np.cos(order * angle)).sum(), (row * np.sin(order * angle)).sum())
+                    np.hypot(
+                        (row * np.cos(order * angle)).sum(), (row * np.sin(order * angle)).sum()
+                    )
                 )
     expected = np.reshape(expected, (2, 96))
     assert signatures(panoramas) == pytest.approx(expected)

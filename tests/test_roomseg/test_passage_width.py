@@ -180,7 +180,5 @@ def test_strip_measured_from_the_middle() -> None:
 def test_short_edges_between_lanes_are_not_extended() -> None:
     topomap = lane_map([])
     lanes = np.repeat([0, 1], [6, 5])
-    strips = search_strips(
-        replace(topomap.nodes, lane=lanes), np.array([[5, 6]]), 0.15, PAPER
-    )
+    strips = search_strips(replace(topomap.nodes, lane=lanes), np.array([[5, 6]]), 0.15, PAPER)
     assert strips[0] == pytest.approx([-0.17, 0.17, 0.05])

@@ -161,7 +161,7 @@ def test_every_map_and_number_is_on_the_page(written):
 def test_pictures_are_there_and_described(written, result):
     page = Page(written)
     images = [image for image in page.all("img") if "src" in image]
-    assert len(images) == 3 + 5 + 1 + 2 * 2 + 1 + 3 + 3  # rooms, run, lintel, shots, 2nd, charts
+    assert len(images) == 3 + 6 + 1 + 2 * 2 + 1 + 4 + 3  # rooms, run, lintel, shots, 2nd, charts
     for image in images:
         assert len(image["alt"]) > 15
         pixels = cv2.imread(str(written.parent / image["src"]), cv2.IMREAD_COLOR)

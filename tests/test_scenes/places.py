@@ -6,6 +6,8 @@ Room ``a`` is [0, 4] x [0, 3], room ``b`` [4.1, 7.1] x [0, 3]; the outer walls a
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 from scenes import Apartment
@@ -49,3 +51,25 @@ def two_rooms(**changes: Any) -> Apartment:
 def framed(**changes: Any) -> list[dict[str, Any]]:
     """Its passage with a door frame (casing 7 cm wide, 2 cm deep)."""
     return [{"position": [4.05, 1.5], "width": 0.8, "frame": {}, **changes}]
+
+
+def turned(apartment: Apartment, angle_deg: float, shift: tuple[float, float]) -> Apartment:
+    """The same place turned about the origin and moved."""
+    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+
+    def move(point: Sequence[float]) -> tuple[float, float]:
+        x, y = point
+        return c * x - s * y + shift[0], s * x + c * y + shift[1]
+
+    data = apartment.model_dump()
+    for room in data["rooms"]:
+        room["polygon"] = [move(point) for point in room["polygon"]]
+    for wall in data["walls"]:
+        wall["start"], wall["end"] = move(wall["start"]), move(wall["end"])
+    for field in ("passages", "windows", "furniture", "lamps"):
+        for item in data[field]:
+            item["position"] = move(item["position"])
+    for item in data["furniture"]:
+        item["rotation_deg"] += angle_deg
+    data["start"]["position"] = move(data["start"]["position"])
+    return Apartment.model_validate(data)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from scenes import check, load_apartment, reference_names
+from scenes import Apartment, apartment_mesh, check, load_apartment, reference_names
+from scenes.pieces import KINDS
 from test_scenes.places import framed, two_rooms, two_rooms_data
 
 
@@ -165,6 +168,15 @@ CASES = {
         {"lamps": [{"kind": "floor", "position": [1, 2], "height": 2.4}]},
         "lamps[0].height: 2.4 m in 'a'; expected 0.2 to 2.25 m under its ceiling",
     ),
+    "lamp in a wall": (
+        {"lamps": [{"position": [0.1, 1.5], "radius": 0.2}]},
+        "lamps[0].radius: 0.2 m at (0.1, 1.5) reaches into the walls of 'a'; expected inside the "
+        "room",
+    ),
+    "huge frame": (
+        {"passages": framed(frame={"width": 0.5})},
+        "passages[0].frame: 0.5 x 0.02 m; expected width and depth of at most 0.3 m",
+    ),
     "start by the wall": (
         {"start": {"position": [0.1, 1.5]}},
         "start.position: (0.1, 1.5) has no free floor for a robot of 0.15 m radius; expected a "
@@ -205,3 +217,54 @@ def test_touching_a_wall_within_the_tolerance_is_no_problem():
 def test_chair_under_a_table_is_no_problem():
     furniture = [{"kind": "table", "position": [2, 1.5]}, {"kind": "chair", "position": [2, 1.2]}]
     assert problems(furniture=furniture) == []
+
+
+number = st.integers(-4, 4).map(lambda k: k / 2)
+point = st.tuples(number, number)
+size = st.sampled_from([0.001, 0.1, 0.7, 2.0, 900.0])
+passage = st.fixed_dictionaries(
+    {"position": point, "width": size, "lintel_height": size, "closed": st.booleans()}
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    rooms=st.lists(st.lists(point, min_size=3, max_size=5), min_size=1, max_size=3),
+    walls=st.lists(st.tuples(point, point, size), min_size=3, max_size=6),
+    passages=st.lists(passage, max_size=2),
+    windows=st.lists(st.tuples(point, size, size), max_size=2),
+    pieces=st.lists(st.tuples(st.sampled_from(sorted(KINDS)), point, size, size, size), max_size=3),
+    lamps=st.lists(st.tuples(point, size, size), max_size=2),
+    start=point,
+)
+def test_nonsense_is_reported_not_raised(rooms, walls, passages, windows, pieces, lamps, start):
+    place = Apartment.model_validate(
+        {
+            "name": "x",
+            "rooms": [{"name": f"r{k}", "polygon": polygon} for k, polygon in enumerate(rooms)],
+            "walls": [{"start": a, "end": b, "thickness": t} for a, b, t in walls],
+            "passages": passages,
+            "windows": [{"position": p, "width": w, "head_height": h} for p, w, h in windows],
+            "furniture": [{"kind": k, "position": p, "size": s} for k, p, *s in pieces],
+            "lamps": [{"position": p, "height": h, "radius": r} for p, h, r in lamps],
+            "start": {"position": start},
+        }
+    )
+    assert all("\n" not in line for line in check(place))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    pieces=st.lists(st.tuples(st.sampled_from(sorted(KINDS)), size, size, size), max_size=3),
+    lamp=st.tuples(st.sampled_from(["ceiling", "pendant", "floor", "table"]), size, size),
+    passage=passage,
+)
+def test_what_passes_the_checks_can_be_built(pieces, lamp, passage):
+    kind, height, radius = lamp
+    place = two_rooms(
+        furniture=[{"kind": k, "position": [1, 2], "size": s} for k, *s in pieces],
+        lamps=[{"kind": kind, "position": [2, 1], "height": height, "radius": radius}],
+        passages=[{**passage, "position": [4.05, 1.5]}],
+    )
+    if not list(check(place)):
+        apartment_mesh(place)

@@ -5,9 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from scenes import SceneError, floor_region, obstacles, reachable_positions, room_borders
-from test_scenes.places import framed, two_rooms
+from scenes import (
+    SceneError,
+    apartment_mesh,
+    apartment_solids,
+    check,
+    floor_region,
+    obstacles,
+    reachable_positions,
+    room_borders,
+)
+from scenes.passages import free_region
+from test_scenes.places import framed, turned, two_rooms
 
 
 def test_three_borders_cover_the_depth_of_wall_and_frame():
@@ -75,3 +87,31 @@ def test_a_passage_narrower_than_the_robot_ends_what_is_reachable():
 def test_start_in_a_wall_is_refused():
     with pytest.raises(SceneError, match=r"start\.position .* expected free floor"):
         reachable_positions(two_rooms(start={"position": [4.05, 0.2]}))
+
+
+FULL = two_rooms(
+    passages=framed(),
+    windows=[{"position": [2, 3.1]}],
+    furniture=[{"kind": "table", "position": [2, 1.5]}, {"kind": "bath", "position": [6, 0.4]}],
+    lamps=[{"position": [1, 1]}],
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    angle=st.floats(-180, 180), x=st.floats(-50, 50), y=st.floats(-50, 50), gap=st.floats(0, 0.0299)
+)
+def test_a_turned_place_is_the_same_place(angle, x, y, gap):
+    """Rounding must neither close a passage nor open a wall."""
+    rooms = FULL.model_dump(mode="json")["rooms"]
+    rooms[0]["polygon"] = [[gap, gap], [4 - gap, gap], [4 - gap, 3 - gap], [gap, 3 - gap]]
+    still = FULL.model_copy(update={"rooms": two_rooms(rooms=rooms).rooms})
+    moved = turned(still, angle, (x, y))
+    assert list(check(moved)) == []
+    for measure in (floor_region, obstacles, lambda place: free_region(place, 0.15)):
+        assert measure(moved).area == pytest.approx(measure(still).area, abs=2e-3)
+    volume = sum(prism.volume for prism in apartment_solids(still))
+    assert sum(prism.volume for prism in apartment_solids(moved)) == pytest.approx(volume, rel=1e-3)
+    assert len(apartment_mesh(moved).triangles) > 100
+    lengths = np.linalg.norm(np.diff(room_borders(moved), axis=1), axis=-1)
+    assert lengths == pytest.approx(np.full((3, 1), 0.9))

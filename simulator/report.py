@@ -1,0 +1,127 @@
+"""How good a cleaning run was: coverage, path, overlap, drift."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from dataset.errors import RoomsegError
+from dataset.topomap import Path, TopoMap
+from scenes.apartment import Apartment
+from scenes.passages import reachable_positions
+
+__all__ = ["CoverageReport", "coverage_report"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CoverageReport:
+    """Figures of one run.
+
+    Attributes
+    ----------
+    nodes : int
+    nodes_per_m2 : float
+        Nodes per m² of the rooms' total floor area, as in Table 8.
+    coverage : float
+        Share of the positions that the robot's centre can reach which lie
+        within ``near`` m of the driven path, 0..1.
+    path_length, path_per_m2 : float
+        m, and m per m² of total floor area.
+    turns : float
+        Full turns (360°) made in all.
+    overlap : float
+        Share of the driven path along which the floor under the centre had
+        been passed within 0.1 m at least 10 s before, 0..1.
+    duration : float
+        s of simulated time.
+    connected : bool
+        Whether the map graph is one component.
+    drift : float
+        Largest distance between estimate and truth along the path, m.
+    """
+
+    nodes: int
+    nodes_per_m2: float
+    coverage: float
+    path_length: float
+    path_per_m2: float
+    turns: float
+    overlap: float
+    duration: float
+    connected: bool
+    drift: float
+
+
+def coverage_report(
+    topomap: TopoMap, apartment: Apartment, *, near: float = 0.2, spacing: float = 0.05
+) -> CoverageReport:
+    """Judge a simulated run by the plan that it was made in.
+
+    Parameters
+    ----------
+    topomap : TopoMap
+        With its driven path.
+    apartment : Apartment
+    near : float
+        A position is covered if the driven path is this near, m.
+    spacing : float
+        Grid spacing of the positions, m.
+
+    Raises
+    ------
+    RoomsegError
+        If the map has no driven path.
+    """
+    if topomap.path is None or len(topomap.path.time) == 0:
+        raise RoomsegError(f"{topomap.environment}: path: absent, expected a simulated run")
+    path = topomap.path
+    track = path.true_pose[:, :2]
+    steps = np.hypot(*np.diff(track, axis=0).T)
+    turned = np.diff(np.unwrap(path.true_pose[:, 2]))
+    area = sum(shapely.Polygon(room.polygon).area for room in apartment.rooms)
+    reachable = reachable_positions(apartment, topomap.robot_radius, spacing)
+    return CoverageReport(
+        nodes=len(topomap.nodes),
+        nodes_per_m2=len(topomap.nodes) / area,
+        coverage=_coverage(track, reachable, near),
+        path_length=float(steps.sum()),
+        path_per_m2=float(steps.sum()) / area,
+        turns=float(np.abs(turned).sum() / (2.0 * np.pi)),
+        overlap=_overlap(path, np.append(steps, 0.0)),
+        duration=float(path.time[-1]),
+        connected=_is_connected(topomap),
+        drift=float(np.hypot(*(track - path.estimate[:, :2]).T).max()),
+    )
+
+
+def _coverage(track: Floats, reachable: Floats, near: float) -> float:
+    line = shapely.linestrings(track) if len(track) > 1 else shapely.Point(track[0])
+    shapely.prepare(line)
+    return float(shapely.dwithin(line, shapely.points(reachable), near).mean())
+
+
+def _overlap(path: Path, steps: Floats, near: float = 0.1, pause: float = 10.0) -> float:
+    """Share of the path length that passes where the robot has been before."""
+    track = path.true_pose[:, :2]
+    earliest = np.full(len(track), np.inf)
+    pairs = cKDTree(track[::5]).sparse_distance_matrix(
+        cKDTree(track), near, output_type="coo_matrix"
+    )
+    np.minimum.at(earliest, pairs.col, path.time[::5][pairs.row])
+    again = earliest < path.time - pause
+    return float(steps[again].sum() / max(steps.sum(), 1e-9))
+
+
+def _is_connected(topomap: TopoMap) -> bool:
+    n = len(topomap.nodes)
+    a, b = topomap.edges.T
+    graph = csr_array((np.ones(len(a)), (a, b)), shape=(n, n))
+    return bool(connected_components(graph, directed=False)[0] == 1)

@@ -1,0 +1,363 @@
+"""Bad input ends in one clear line and exit code 2, and nothing is written."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from cleaned_flat import cleaned_flat
+from click.testing import CliRunner
+
+from dataset import FisheyeCamera, write_map
+from roomseg.cli import main as command_line
+from roomseg.cli.main import COMMANDS, cli, main
+
+NAMES = list(COMMANDS)
+
+
+@pytest.fixture(scope="module")
+def map_bytes(tmp_path_factory) -> bytes:
+    path = tmp_path_factory.mktemp("maps") / "flat.h5"
+    write_map(path, cleaned_flat("flat"))
+    return path.read_bytes()
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, map_bytes) -> Path:
+    """The working folder of a user, with a map without images."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "flat.h5").write_bytes(map_bytes)
+    return tmp_path
+
+
+def square_room(name: str, left: float, width: float = 3.0) -> dict[str, object]:
+    right = left + width
+    return {"name": name, "polygon": [[left, 0], [right, 0], [right, 3], [left, 3]]}
+
+
+def apartment() -> dict[str, object]:
+    """Two rooms of 3 m x 3 m side by side, a doorway between them."""
+    corners = [(-0.06, -0.06), (6.18, -0.06), (6.18, 3.06), (-0.06, 3.06), (-0.06, -0.06)]
+    walls = [{"start": a, "end": b, "thickness": 0.12} for a, b in itertools.pairwise(corners)]
+    walls.append({"start": (3.06, -0.06), "end": (3.06, 3.06), "thickness": 0.12})
+    return {
+        "name": "two",
+        "rooms": [square_room("a", 0.0), square_room("b", 3.12)],
+        "walls": walls,
+        "passages": [{"position": [3.06, 1.5]}],
+        "start": {"position": [1.0, 1.0]},
+    }
+
+
+def refused(capsys, *arguments: str) -> str:
+    """Run a command that must fail; return its one line."""
+    before = snapshot()
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("roomseg: error: ")
+    assert captured.err.count("\n") == 1, captured.err
+    assert "Traceback" not in captured.err + captured.out
+    assert snapshot() == before
+    return captured.err.removeprefix("roomseg: error: ").rstrip("\n")
+
+
+def snapshot() -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+
+
+# ------------------------------------------------------------------ the group
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_command_explains_itself_with_an_example(name):
+    result = CliRunner().invoke(cli, [name, "--help"])
+    assert result.exit_code == 0
+    assert "Example:\n" in result.output
+    assert f"roomseg {name} " in result.output.split("Example:")[1]
+
+
+def test_help_lists_every_command_in_order():
+    result = CliRunner().invoke(cli, ["--help"])
+    assert result.exit_code == 0
+    listed = result.output.split("Commands:")[1].split("Example:")[0].split("\n")
+    assert [line.split()[0] for line in listed if line.strip()] == NAMES
+
+
+def test_version():
+    result = CliRunner().invoke(cli, ["--version"])
+    assert result.output == "roomseg 0.1.0\n"
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from roomseg.cli.main import main; code = main(['--help']);"
+        "heavy = {'numpy', 'h5py', 'shapely', 'sklearn', 'cv2', 'matplotlib', 'bpy', 'dataset'};"
+        "found = heavy & set(sys.modules); assert not found, found; sys.exit(code)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_no_command_shows_the_help(capsys):
+    assert main([]) == 2
+    assert "Commands:" in capsys.readouterr().err
+
+
+# ------------------------------------------------------------- bad arguments
+
+
+def test_unknown_command_and_option(folder, capsys):
+    assert refused(capsys, "paint") == "No such command 'paint'; see `roomseg --help`"
+    assert "No such option" in refused(capsys, "inspect", "flat.h5", "--colour")
+    assert "Missing argument 'MAP...'" in refused(capsys, "train")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["generate", "-o", "none/a.json"], "none/a.json: the folder none does not exist"),
+        (["generate", "-o", "."], ". is a folder, expected a file name"),
+        (["generate", "-o", "a.json", "--rooms", "0"], "0 is not in the range"),
+        (["generate", "-o", "a.json", "--seed", "-1"], "-1 is not in the range"),
+        (["generate", "-o", "a.json", "--contrast", "loud"], "'loud' is not one of"),
+        (["simulate", "sim4", "--runs", "0"], "0 is not in the range"),
+        (["train", "flat.h5", "--C", "0"], "0.0 is not in the range"),
+        (["train", "flat.h5", "-o", "none/m.skops"], "the folder none does not exist"),
+        (["view", "flat.h5"], "Missing option '-o'"),
+        (["view", "flat.h5", "-o", "a.png", "--show", "taste"], "'taste' is not one of"),
+        (["inspect", "flat.h5", "--json", "none/a.json"], "the folder none does not exist"),
+    ],
+)
+def test_bad_arguments(folder, capsys, arguments, line):
+    assert line in refused(capsys, *arguments)
+
+
+def test_output_into_a_folder_without_permission(folder, capsys):
+    if os.geteuid() == 0:
+        pytest.skip("root may write anywhere")
+    Path("locked").mkdir(mode=0o500)
+    assert "not writable" in refused(capsys, "generate", "-o", "locked/a.json")
+
+
+# ------------------------------------------------------------- bad map files
+
+READERS = [
+    ["render"],
+    ["train", "-o", "model.skops"],
+    ["segment", "--rooms", "2"],
+    ["evaluate"],
+    ["inspect"],
+    ["validate"],
+    ["view", "-o", "map.png"],
+]
+
+
+@pytest.mark.parametrize("arguments", READERS, ids=lambda a: a[0])
+def test_bad_map_files(folder, capsys, map_bytes, arguments):
+    name, *options = arguments
+    Path("cut.h5").write_bytes(map_bytes[: len(map_bytes) // 2])
+    Path("text.h5").write_text("no map")
+    with h5py.File("foreign.h5", "w") as file:
+        file["x"] = 1
+    for path, message in {
+        "none.h5": "none.h5: no such file",
+        "cut.h5": "cut.h5: cut off or damaged HDF5 file",
+        "text.h5": "text.h5: not an HDF5 file",
+        "foreign.h5": "foreign.h5: attribute format: None, expected 'roomseg-map'",
+        ".": ".: is a folder",
+    }.items():
+        assert refused(capsys, name, path, *options).startswith(message)
+
+
+def test_damaged_inside(folder, capsys):
+    with h5py.File("flat.h5", "r+") as file:
+        del file["edges"]
+    for name, *options in READERS[:5]:
+        assert refused(capsys, name, "flat.h5", *options).startswith("flat.h5: /edges: missing")
+
+
+@pytest.mark.parametrize("name", ["train", "evaluate"])
+def test_maps_without_images(folder, capsys, name):
+    write_map("other.h5", cleaned_flat("other"))
+    n = len(cleaned_flat().nodes)
+    assert refused(capsys, name, "flat.h5", "other.h5") == (
+        f"flat.h5: 0 of {n} nodes have an image, expected all; `roomseg render flat.h5` makes them"
+    )
+
+
+def test_maps_with_some_images(folder, capsys):
+    topomap = cleaned_flat()
+    small = FisheyeCamera().resized(8)
+    topomap = topomap.__class__(**(vars(topomap) | {"camera": small}))
+    images = [None, *np.zeros((len(topomap.nodes) - 1, 8, 8), np.uint8)]
+    write_map("flat.h5", topomap, images)
+    n = len(topomap.nodes)
+    assert f"flat.h5: {n - 1} of {n} nodes have an image" in refused(capsys, "train", "flat.h5")
+
+
+def test_maps_without_ground_truth(folder, capsys):
+    with h5py.File("flat.h5", "r+") as file:
+        del file["ground_truth"]
+    line = refused(capsys, "train", "flat.h5", "--features", "no-camera")
+    assert line.startswith("flat.h5: has no /ground_truth/room")
+    assert refused(capsys, "segment", "flat.h5") == (
+        "flat.h5: has no ground truth to take the room count from; give --rooms"
+    )
+
+
+def test_one_environment_cannot_be_left_out(folder, capsys):
+    line = refused(capsys, "evaluate", "flat.h5", "--features", "no-camera")
+    assert line == (
+        "maps: all of the environment 'flat', expected at least 2 environments to leave one out"
+    )
+
+
+def test_bad_models(folder, capsys):
+    Path("model.skops").write_text("no model")
+    assert "model.skops" in refused(capsys, "segment", "flat.h5", "--model", "model.skops")
+    assert "no such file" in refused(capsys, "segment", "flat.h5", "--model", "none.skops")
+
+
+def test_more_rooms_than_nodes(folder, capsys):
+    line = refused(capsys, "segment", "flat.h5", "--rooms", "100000")
+    assert "rooms: 100000, expected 1.." in line
+
+
+def test_maps_without_scene_cannot_be_rendered(folder, capsys):
+    line = refused(capsys, "render", "flat.h5", "--preset", "preview")
+    assert "/scene: missing, only simulated maps can be rendered" in line
+    assert "preset: 'golden'" in refused(capsys, "render", "flat.h5", "--preset", "golden")
+
+
+def test_view_of_what_is_not_there(folder, capsys):
+    line = refused(capsys, "view", "flat.h5", "-o", "a.png", "--show", "rooms")
+    assert line == "flat.h5: has no rooms to draw, only run, obstacles, graph, truth"
+
+
+# ------------------------------------------------------------- bad apartments
+
+
+def unknown_field(place):
+    place["rooms"][0]["colour"] = "blue"
+
+
+def doorway_off_every_wall(place):
+    place["passages"][0]["position"] = [1.5, 1.5]
+
+
+def overlapping_rooms(place):
+    place["rooms"][1] = square_room("b", 2.0)
+
+
+def no_json(place):
+    return "{"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (unknown_field, ["colour"]),
+        (doorway_off_every_wall, ["passages", "1.5"]),
+        (overlapping_rooms, ["rooms", "overlap"]),
+        (no_json, ["JSON"]),
+    ],
+)
+def test_bad_apartments(folder, capsys, spoil, words):
+    place = apartment()
+    text = spoil(place) or json.dumps(place)
+    Path("bad.json").write_text(text)
+    line = refused(capsys, "simulate", "bad.json", "-o", "maps")
+    assert line.startswith("bad.json")
+    for word in words:
+        assert word in line
+    assert not Path("maps").exists()
+
+
+def test_missing_apartment(folder, capsys):
+    assert refused(capsys, "simulate", "none.json", "-o", "maps").startswith("none.json: no such")
+
+
+# ------------------------------------------------------- the process as a whole
+
+
+def run(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "roomseg.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+def test_exit_codes_of_the_process(folder):
+    good, bad = run("validate", "flat.h5"), run("inspect", "none.h5")
+    assert (good.returncode, good.stdout, good.stderr) == (0, "flat.h5: good\n", "")
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr == ("roomseg: error: none.h5: no such file, expected a map file (.h5)\n")
+
+
+def test_problems_give_exit_code_1_and_all_lines(folder):
+    with h5py.File("flat.h5", "r+") as file:
+        file["nodes/position"][3, 0] = np.nan
+        file.attrs["run"] = 7
+    result = run("validate", "flat.h5")
+    assert result.returncode == 1
+    assert result.stdout.splitlines() == [
+        "flat.h5: attribute run of /: 7, expected text",
+        "flat.h5: /nodes/position: nan at (3, 0), expected finite numbers",
+    ]
+
+
+def test_reader_that_has_had_enough(folder):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "roomseg.cli", "inspect", "flat.h5"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.wait()
+
+
+def test_stopped_by_the_user_in_one_line(folder):
+    code = (
+        "import sys, time, roomseg.cli.inspect as i; from roomseg.cli.main import main\n"
+        "def wait(**_): print('here', flush=True); time.sleep(60)\n"
+        "i.command.callback = wait; sys.exit(main(['inspect', 'flat.h5']))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "here\n"
+    time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert error.strip() == "roomseg: stopped; call it again to go on"
+
+
+def test_our_own_errors_keep_their_traceback(monkeypatch, folder):
+    from roomseg.cli import inspect
+
+    def fail(**_: object) -> None:
+        raise AssertionError("a bug")
+
+    monkeypatch.setattr(inspect.command, "callback", fail)
+    with pytest.raises(AssertionError, match="a bug"):
+        command_line.main(["inspect", "flat.h5"])
+
+
+def test_full_disk_is_one_line(monkeypatch, folder, capsys):
+    from roomseg.cli import inspect
+
+    def fail(**_: object) -> None:
+        raise OSError(28, "No space left on device", "flat.h5")
+
+    monkeypatch.setattr(inspect.command, "callback", fail)
+    assert refused(capsys, "inspect", "flat.h5") == "flat.h5: No space left on device"

@@ -1,0 +1,235 @@
+"""The commands at work, on flats that were cleaned without the simulator."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from cleaned_flat import cleaned_flat, fisheye_image
+
+from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, read_map, write_map
+from roomseg.cli.main import main
+from roomseg.cli.simulate import run_seed
+from simulator import CoverageReport
+
+CAMERA = FisheyeCamera().resized(116)
+
+
+def flat(name: str, seed: int) -> TopoMap:
+    """A cleaned flat without obstacle points, which take most of the time."""
+    none = Obstacles(np.empty((0, 2)), np.empty(0), np.empty(0))
+    topomap = cleaned_flat(name, seed)
+    return dataclasses.replace(topomap, obstacles=none, camera=CAMERA)
+
+
+@pytest.fixture(scope="module")
+def flats(tmp_path_factory) -> dict[str, bytes]:
+    """Maps of two places: a lintel over the nodes in and near the doors."""
+    folder = tmp_path_factory.mktemp("flats")
+    plain, lintel = fisheye_image(CAMERA, 0), fisheye_image(CAMERA, 1)
+    plain = cv2.GaussianBlur(plain, (0, 0), 8.0)
+    for seed, name in enumerate(("north", "south")):
+        topomap = flat(name, seed)
+        assert topomap.ground_truth is not None
+        near = np.unique(topomap.edges[topomap.ground_truth.edge_is_border])
+        images = [lintel if node in near else plain for node in range(len(topomap.nodes))]
+        write_map(folder / f"{name}.h5", topomap, images)
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, flats) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, content in flats.items():
+        (tmp_path / name).write_bytes(content)
+    return tmp_path
+
+
+def succeed(*arguments: str) -> None:
+    assert main(arguments) == 0
+
+
+def test_train_segment_view_inspect(folder, capsys):
+    succeed("train", "north.h5", "-o", "model.skops", "--json", "train.json")
+    trained = json.loads(Path("train.json").read_text())
+    assert trained["maps"] == ["north.h5"]
+    assert trained["features"] == ["length", "passageway_width", "passageway", "d_c", "d_s"]
+    assert 0 < trained["border_edges_found"] <= trained["border_edges"] < trained["edges"]
+    assert trained["parameters"] == {"C": 0.125, "gamma": 0.125, "class_weight": 40.0, "rho": 60.0}
+
+    succeed("segment", "south.h5", "--model", "model.skops", "--json", "rooms.json")
+    figures = json.loads(Path("rooms.json").read_text())
+    with MapFile("south.h5") as file:
+        assert file.rooms is not None
+        found, truth = file.rooms.label, file.topomap.ground_truth.room
+        assert (file.rooms.model, file.rooms.count) == ("model.skops", 3)
+        assert file.image_count == len(found)
+    assert figures["rooms"] == 3
+    # Impurity by its definition: nodes outside the main room of their cluster.
+    outside = sum((found == c).sum() - np.bincount(truth[found == c]).max() for c in range(3))
+    assert figures["impurity"] == pytest.approx(outside / len(found))
+
+    capsys.readouterr()
+    succeed("inspect", "south.h5", "--json", "south.json")
+    assert "rooms found   by model.skops" in capsys.readouterr().out
+    assert json.loads(Path("south.json").read_text())["segmented_by"] == "model.skops"
+    succeed("view", "south.h5", "-o", "south.png", "--dpi", "40")
+    every = cv2.imread("south.png")
+    succeed("view", "south.h5", "-o", "rooms.png", "--dpi", "40", "--show", "rooms")
+    rooms = cv2.imread("rooms.png")
+    assert every.shape[0] > 2 * rooms.shape[0]
+    assert every.shape[1] > 2 * rooms.shape[1]
+    assert len(np.unique(rooms.reshape(-1, 3), axis=0)) > 10
+    succeed("validate", "north.h5", "south.h5")
+
+
+def test_segment_gives_the_same_bytes_again(folder):
+    succeed("segment", "north.h5", "--rooms", "4", "--seed", "5")
+    first = Path("north.h5").read_bytes()
+    succeed("segment", "north.h5", "--rooms", "4", "--seed", "5")
+    assert Path("north.h5").read_bytes() == first
+    with MapFile("north.h5") as file:
+        assert file.rooms is not None
+        assert file.rooms.model == "uniform weights"
+        assert sorted(set(file.rooms.label.tolist())) == [0, 1, 2, 3]
+
+
+def test_evaluate_reports_every_map_beside_uniform_weights(folder, capsys):
+    succeed("evaluate", "north.h5", "south.h5", "--features", "no-camera", "--json", "f.json")
+    figures = json.loads(Path("f.json").read_text())
+    assert [item["map"] for item in figures["maps"]] == ["north.h5", "south.h5"]
+    impurity = [item["segmentation"]["impurity"] for item in figures["maps"]]
+    uniform = [item["uniform"]["impurity"] for item in figures["maps"]]
+    assert figures["mean_impurity"] == pytest.approx(np.mean(impurity))
+    assert figures["median_impurity"] == pytest.approx(np.median(impurity))
+    assert figures["uniform_mean_impurity"] == pytest.approx(np.mean(uniform))
+    table = capsys.readouterr().out
+    for row, value in zip(("north run1", "south run1"), impurity, strict=True):
+        line = next(line for line in table.splitlines() if row in line)
+        assert f"{100 * value:.2f}" in line
+
+
+def test_failed_training_leaves_the_old_model(folder, capsys):
+    Path("model.skops").write_text("old")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("skops.io.dump", _write_half_and_fail)
+        code = main(["train", "north.h5", "--features", "no-camera"])
+    assert code == 2
+    assert Path("model.skops").read_text() == "old"
+    assert sorted(path.name for path in folder.iterdir()) == ["model.skops", "north.h5", "south.h5"]
+
+
+def _write_half_and_fail(content: object, file: str | Path) -> None:
+    Path(file).write_text("half")
+    raise OSError(28, "No space left on device", str(file))
+
+
+def test_generate_is_repeatable(folder):
+    for name in ("a.json", "b.json"):
+        succeed("generate", "--seed", "3", "--rooms", "2", "-o", name)
+    succeed("generate", "--seed", "4", "--rooms", "2", "-o", "c.json")
+    assert Path("a.json").read_bytes() == Path("b.json").read_bytes()
+    assert Path("a.json").read_bytes() != Path("c.json").read_bytes()
+    assert len(json.loads(Path("a.json").read_text())["rooms"]) == 2
+
+
+def test_seeds_of_runs_differ_and_do_not_depend_on_their_number():
+    seeds = [run_seed(seed, number) for seed in range(20) for number in range(1, 21)]
+    assert len(set(seeds)) == 400
+    assert run_seed(0, 1) == run_seed(0, 1)
+
+
+def test_simulate_keeps_maps_that_are_there(folder, monkeypatch, capsys):
+    calls = []
+
+    def fake(run, show=None):
+        calls.append(run.name)
+        scene = run.apartment.model_dump_json()
+        write_map(run.output, dataclasses.replace(flat("x", 0), seed=run.seed, scene=scene))
+        return run.output, CoverageReport(1, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, True, 0.0)
+
+    monkeypatch.setattr("roomseg.cli.simulate._simulate", fake)
+    succeed("simulate", "demo1", "--runs", "2", "-o", "maps")
+    succeed("simulate", "demo1", "--runs", "3", "-o", "maps")
+    assert calls == ["run1", "run2", "run3"]
+    assert "demo1-run2.h5: already there" in capsys.readouterr().out
+    succeed("simulate", "demo1", "--runs", "3", "-o", "maps", "--force")
+    assert calls[3:] == ["run1", "run2", "run3"]
+
+    # What is there must be what would be made.
+    assert main(["simulate", "demo1", "--seed", "1", "-o", "maps"]) == 2
+    assert "run1.h5: already there, but of another seed" in capsys.readouterr().err
+    place = json.loads(Path(str(files("scenes") / "reference" / "demo1.json")).read_text())
+    place["lighting"] = {"source": "mixed"}
+    Path("other.json").write_text(json.dumps(place))
+    assert main(["simulate", "other.json", "-o", "maps"]) == 2
+    assert "run1.h5: already there, but of another apartment" in capsys.readouterr().err
+    assert len(calls) == 6
+
+
+def test_render_passes_its_options_and_discards_by_force(folder, monkeypatch, capsys):
+    calls = []
+
+    def fake(path, *, on_progress, **options):
+        with FrameJournal(path, preset=options["preset"].name) as journal:
+            calls.append((str(path), options["preset"].name, options["limit"], len(journal.done)))
+        on_progress(1, 2)
+        return 1
+
+    monkeypatch.setattr("render.render_map", fake)
+    n = len(read_map("north.h5").nodes)
+    succeed("render", "north.h5", "south.h5", "--preset", "draft", "--limit", "4")
+    succeed("render", "north.h5", "--preset", "preview", "--force")
+    assert calls == [
+        ("north.h5", "draft", 4, n),
+        ("south.h5", "draft", 4, n),
+        ("north.h5", "preview", None, 0),
+    ]
+    assert "north.h5: 1 new images" in capsys.readouterr().out
+
+
+def two_rooms() -> dict[str, object]:
+    """Two bare rooms of 1.6 m x 1.6 m, a doorway between them."""
+    corners = [(-0.06, -0.06), (3.38, -0.06), (3.38, 1.66), (-0.06, 1.66), (-0.06, -0.06)]
+    walls = [{"start": a, "end": b} for a, b in itertools.pairwise(corners)]
+    walls.append({"start": (1.66, -0.06), "end": (1.66, 1.66)})
+    return {
+        "name": "two",
+        "rooms": [
+            {"name": "a", "polygon": [[0, 0], [1.6, 0], [1.6, 1.6], [0, 1.6]]},
+            {"name": "b", "polygon": [[1.72, 0], [3.32, 0], [3.32, 1.6], [1.72, 1.6]]},
+        ],
+        "walls": walls,
+        "passages": [{"position": [1.66, 0.8]}],
+        "start": {"position": [0.5, 0.5]},
+    }
+
+
+def test_simulated_maps_are_right_whatever_the_number_of_jobs(folder, capsys):
+    Path("two.json").write_text(json.dumps(two_rooms()))
+    succeed("simulate", "two.json", "--runs", "2", "--seed", "9", "-o", "a", "--json", "a.json")
+    succeed("simulate", "two.json", "--runs", "2", "--seed", "9", "-o", "b", "--jobs", "2")
+    names = ["two-run1.h5", "two-run2.h5"]
+    assert sorted(path.name for path in Path("b").iterdir()) == names
+    contents = [Path("a", name).read_bytes() for name in names]
+    assert contents == [Path("b", name).read_bytes() for name in names]
+    assert contents[0] != contents[1]
+    succeed("validate", *(f"a/{name}" for name in names))
+    figures = json.loads(Path("a.json").read_text())
+    for name, figure in zip(names, figures["maps"], strict=True):
+        topomap = read_map(Path("a", name))
+        assert figure["map"] == f"a/{name}"
+        assert figure["nodes"] == len(topomap.nodes)
+        assert topomap.environment == "two"
+        assert topomap.ground_truth is not None and topomap.ground_truth.room is not None
+        # The labels are the rooms in which the nodes truly lie, but for the doorway.
+        x = topomap.nodes.true_pose[:, 0]
+        left, right = (set(topomap.ground_truth.room[side]) for side in (x < 1.5, x > 1.82))
+        assert len(left) == len(right) == 1
+        assert left != right

@@ -1,0 +1,116 @@
+"""Metrics on examples worked out by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from roomseg.metrics import (
+    border_quality,
+    feature_quality,
+    impurity,
+    length_statistics,
+    purity,
+    segmentation_quality,
+    width_statistics,
+)
+
+ROOMS = np.array([0, 0, 0, 0, 1, 1, 1, 2, 2, 2])
+
+
+def test_purity_by_hand() -> None:
+    labels = np.array([1, 1, 1, 0, 0, 0, 0, 2, 2, 1])
+    # Cluster 1 holds three of room 0 and one of 2, cluster 0 one of 0 and three of 1.
+    assert purity(labels, ROOMS) == pytest.approx((3 + 3 + 2) / 10)
+    assert impurity(labels, ROOMS) == pytest.approx(0.2)
+
+
+def test_names_of_labels_do_not_matter() -> None:
+    assert purity(np.array([5, 5, 5, 5, 0, 0, 0, 9, 9, 9]), ROOMS) == 1.0
+
+
+def test_merged_and_split_rooms() -> None:
+    assert purity(np.zeros(10, int), ROOMS) == pytest.approx(0.4)
+    assert purity(np.arange(10), ROOMS) == 1.0  # splitting alone costs nothing
+
+
+def test_purity_is_the_double_loop_of_equation_18() -> None:
+    rng = np.random.default_rng(0)
+    labels, rooms = rng.integers(0, 5, 200), rng.integers(0, 4, 200)
+    largest = [max(((labels == i) & (rooms == j)).sum() for j in range(4)) for i in range(5)]
+    assert purity(labels, rooms) == pytest.approx(sum(largest) / 200)
+
+
+def test_perfect_segmentation() -> None:
+    quality = segmentation_quality(ROOMS + 3, ROOMS)
+    assert (quality.impurity, quality.adjusted_rand, quality.v_measure) == (0, 1, 1)
+
+
+def test_border_quality_by_hand() -> None:
+    predicted = np.array([True, True, True, False, False])
+    actual = np.array([True, False, False, True, False])
+    quality = border_quality(predicted, actual)
+    assert quality.precision == pytest.approx(1 / 3)
+    assert quality.recall == pytest.approx(1 / 2)
+    assert border_quality(np.zeros(3, bool), np.ones(3, bool)).precision == 0
+
+
+def test_roc_by_hand() -> None:
+    values = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    border = np.array([False, False, True, False, True])
+    quality = feature_quality(values, border)
+    # Of six pairs (border, within-room) five are in order; J = 1 - 1/3 at the threshold 3.
+    assert quality.auc == pytest.approx(5 / 6)
+    assert quality.youden == pytest.approx(2 / 3)
+    assert quality.threshold in (3.0, 5.0)
+    assert quality.higher_is_border
+
+
+def test_a_low_value_may_mean_border() -> None:
+    values = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    border = np.array([False, False, True, False, True])
+    quality = feature_quality(-values, border)
+    assert quality.auc == pytest.approx(5 / 6)
+    assert quality.youden == pytest.approx(2 / 3)
+    assert quality.threshold in (-3.0, -5.0)
+    assert not quality.higher_is_border
+
+
+def test_area_is_the_share_of_ordered_pairs() -> None:
+    rng = np.random.default_rng(1)
+    border = rng.random(300) < 0.2
+    values = np.round(rng.normal(0, 1, 300) + border, 1)  # with ties
+    pairs = values[border][:, None] - values[~border][None]
+    expected = ((pairs > 0) + 0.5 * (pairs == 0)).mean()
+    quality = feature_quality(values, border)
+    assert quality.auc == pytest.approx(expected)
+    scores = [(values[border] >= t).mean() - (values[~border] >= t).mean() for t in values]
+    assert quality.youden == pytest.approx(max(scores))
+
+
+def test_one_kind_of_edge_only() -> None:
+    with pytest.raises(ValueError, match="expected both"):
+        feature_quality(np.arange(3.0), np.ones(3, bool))
+
+
+def test_table_1_by_hand() -> None:
+    length = np.array([0.1, 0.1, 0.19, 0.2, 0.3])
+    border = np.array([False, True, False, True, True])
+    table = length_statistics(length, border)
+    assert table.short == pytest.approx(3 / 5)
+    assert table.border == pytest.approx(3 / 5)
+    assert table.border_given_short == pytest.approx(1 / 3)
+    assert table.border_given_long == 1
+    assert table.class_ratio == pytest.approx(2 / 3)
+
+
+def test_width_statistics_by_hand() -> None:
+    width = np.array([0.4, 0.45, 0.8, 4.0, 5.0, 5.0])
+    border = np.array([True, False, True, False, False, False])
+    statistics = width_statistics(width, border)
+    assert statistics.missing == pytest.approx(1 / 3)
+    assert statistics.largest == 4.0
+    assert statistics.border_given_narrow == 0.5
+    nothing = width_statistics(np.full(3, 5.0), np.zeros(3, bool))
+    assert np.isnan(nothing.largest)
+    assert np.isnan(nothing.border_given_narrow)
