@@ -1,4 +1,4 @@
-"""Lamps, sun, sky and window portals (Table 8: interior, exterior or mixed light).
+"""Lamps, sun, sky and windows (Table 8: interior, exterior or mixed light).
 
 The paper says only that some environments are lit mostly by interior lamps and
 others mostly through windows. Chosen here: 'interior' has all lamps on and the
@@ -7,8 +7,10 @@ sky at dusk (a tenth), 'exterior' the lamps off, 'mixed' daylight with dimmed la
 window. The exposure of §3.1 removes the common factor; only ratios matter.
 
 A lamp is its glowing body: every face of it shines, so that the ceiling around it is
-lit as well. Windows are open holes. A portal in each tells the path tracer where the sky's
-light comes from. Below the horizon there is ground, a quarter as bright as the sky.
+lit as well. Windows are open holes. The sky is only seen; what it sheds enters through
+an area light in each window that no camera sees, so that the light tree can choose
+among windows (portals are all sampled alike, however many walls lie between). Below
+the horizon there is ground, a quarter as bright as the sky.
 """
 
 from __future__ import annotations
@@ -31,11 +33,11 @@ SHARES = {"interior": (1.0, 0.1), "exterior": (0.0, 1.0), "mixed": (0.1, 1.0)}
 SKY_COLOUR = (0.80, 0.92, 1.10)
 GROUND_COLOUR = (0.26, 0.25, 0.22)
 SUN_DIAMETER = float(np.radians(0.53))
-PORTAL_INSET = 0.01
+WINDOW_INSET = 0.01
 
 
 def add_lighting(bpy: Any, scene: Any, apartment: Apartment) -> None:
-    """Add sun, sky and portals of ``apartment`` to the Blender ``scene``."""
+    """Add sun, sky and windows of ``apartment`` to the Blender ``scene``."""
     light = apartment.lighting
     daylight = SHARES[light.source][1]
     _set_sky(bpy, scene, daylight * light.sky_strength)
@@ -140,7 +142,7 @@ def window_frame(
     if inside[0] == inside[1]:
         return None
     inward = opening.across if inside[0] else -opening.across
-    return opening.centre - (0.5 * opening.thickness + PORTAL_INSET) * inward, inward
+    return opening.centre - (0.5 * opening.thickness + WINDOW_INSET) * inward, inward
 
 
 def _add_window(

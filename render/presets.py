@@ -8,14 +8,11 @@ The figures behind the choice are in ``docs/render.md``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
 
 __all__ = ["PRESETS", "Preset", "preset_named"]
-
-Quality = Literal["HIGH", "BALANCED", "FAST"]
 
 
 @dataclass(frozen=True)
@@ -29,8 +26,6 @@ class Preset:
         Paths per pixel.
     denoise : bool
         Run OpenImageDenoise, guided by albedo and normals.
-    denoise_quality : {'HIGH', 'BALANCED', 'FAST'}
-        Size of its network.
     disc_diameter : int or None
         Diameter of the image disc, px; None keeps the map's own camera.
     max_bounces : int
@@ -42,7 +37,6 @@ class Preset:
     name: str
     samples: int
     denoise: bool = True
-    denoise_quality: Quality = "HIGH"
     disc_diameter: int | None = None
     max_bounces: int = 8
     diffuse_bounces: int = 4
@@ -58,6 +52,7 @@ PRESETS: dict[str, Preset] = {
     for preset in (
         Preset("reference", samples=16),
         Preset("draft", samples=4),
+        Preset("quick", samples=2),
         Preset("preview", samples=4, disc_diameter=232),
     )
 }

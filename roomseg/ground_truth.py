@@ -7,14 +7,15 @@ between two lines belong to no room by the lines alone and take the label that
 the clustering gives them.
 
 Nobody looks at thousands of generated maps, so we confirm by rule. Without the
-border edges the graph falls into pieces; the largest ``room_count`` pieces
-must be the rooms, each with one label of its own, and every other piece, the
-strips within passages, must not be torn. If so, the clustering's labels
-stand. If the clustering misses that (k-means may), but the pieces leave no
-doubt, because each strip has less than half of the smallest room's nodes, the
-pieces become the rooms and each strip goes to the room to which its border
-edges tie it most. If the pieces do not show ``room_count`` rooms either, the
-border lines or the room count are wrong, and that is an error.
+border edges the graph falls into pieces. The largest ``room_count`` pieces are
+the rooms; the others are strips within passages, so that most of their nodes
+touch a border edge. A piece that has at least half of the smallest room's
+nodes but touches borders with less than half of its own is one room more than
+the operator counted: then the lines or the count are wrong, and that is an
+error. Otherwise each room must have one label of its own and no strip may be
+torn; if so, the clustering's labels stand. If the clustering misses that
+(k-means may), the pieces become the rooms, and each strip goes to the room to
+which border edges tie it most.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from dataset.errors import FormatError
 from dataset.topomap import GroundTruth, TopoMap
 from roomseg.preprocessing import MapGraph, preprocess
 from roomseg.segmentation import affinity_of
-from roomseg.spectral import adjacency, first_node_order, spectral_clustering
+from roomseg.spectral import first_node_order, spectral_clustering
 
 __all__ = ["BORDER_WEIGHT", "known_truth", "label_rooms"]
 
@@ -95,27 +96,35 @@ def _confirmed(
     topomap: TopoMap, graph: MapGraph, is_border: Flags, labels: Integers, rooms: int
 ) -> Integers:
     """Confirm the clustering's labels, or take the pieces'; see the module's text."""
-    inner = adjacency(graph.node_count, graph.edges[~is_border], np.ones((~is_border).sum()))
-    count, piece = connected_components(inner, directed=False)
-    piece = piece.astype(np.int64)
-    size = np.bincount(piece)
+    piece, size = _pieces(graph, is_border)
     by_size = np.argsort(-size, kind="stable")
     name = f"{topomap.environment}/{topomap.run}"
-    if count < rooms:
+    if len(size) < rooms:
         raise FormatError(
-            f"{name}: ground_truth/borders cut the map into {count} pieces, "
+            f"{name}: ground_truth/borders cut the map into {len(size)} pieces, "
             f"expected at least the room_count {rooms}"
+        )
+    touching = np.bincount(piece[np.unique(graph.edges[is_border])], minlength=len(size))
+    surplus = (2 * touching < size) & (2 * size >= size[by_size[rooms - 1]])
+    surplus[by_size[:rooms]] = False
+    if surplus.any():
+        raise FormatError(
+            f"{name}: ground_truth/borders cut the map into {rooms + surplus.sum()} rooms, "
+            f"expected the room_count {rooms}"
         )
     if _follows_pieces(labels, piece, by_size[:rooms]):
         return labels
-    strip = size[by_size[rooms]] if count > rooms else 0
-    if 2 * strip >= size[by_size[rooms - 1]]:
-        raise FormatError(
-            f"{name}: ground_truth/borders cut the map into pieces of "
-            f"{', '.join(map(str, size[by_size[: rooms + 1]]))} nodes, "
-            f"expected a clear room_count {rooms}"
-        )
     return _labels_of_pieces(graph, is_border, piece, by_size[:rooms])
+
+
+def _pieces(graph: MapGraph, is_border: Flags) -> tuple[Integers, Integers]:
+    """Piece of each node without the border edges, shape (n,), and nodes of each piece.
+
+    Parts of a map that no edge joins at all are joined as for the clustering.
+    """
+    joined = affinity_of(graph, np.where(is_border, BORDER_WEIGHT, 1.0))
+    piece = connected_components(joined > BORDER_WEIGHT, directed=False)[1].astype(np.int64)
+    return piece, np.bincount(piece)
 
 
 def _follows_pieces(labels: Integers, piece: Integers, rooms: Integers) -> bool:
@@ -139,5 +148,4 @@ def _labels_of_pieces(
         np.add.at(votes, (towards[open_end, 0], label[towards[open_end, 1]]), 1)
         strip = votes.argmax(axis=0)[votes.max(axis=0).argmax()]
         label[strip] = votes[strip].argmax()
-    label[label < 0] = 0  # pieces without any edge
     return first_node_order(label[piece])

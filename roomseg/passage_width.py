@@ -8,12 +8,14 @@ between the points of the strip that are closest to the edge on each side, or
 
 What it leaves open, and what we chose:
 
-* *From where* l + r_robot - 3 cm is measured. We measure along the edge, from
-  each node towards the other: the strip ends r_robot - 3 cm beyond either
-  node. A wall ahead of the robot is at least r_robot from the node, so it
-  stays outside by 3 cm, and this is the reading in which the paper's rule that
-  the further 5 cm must not go beyond the lane's ends makes sense.
-  ``measured_from="middle"`` takes l + r_robot - 3 cm from the edge's middle.
+* *Of what* l + r_robot - 3 cm is the width. We take it for the whole width of
+  the strip, the same on the left and on the right of the edge: 6 cm beyond
+  either node, "somewhat wider than the length of the edge", as Fig. 7 has it.
+  On simulated maps this also comes closest to the paper's figures (47 % of
+  edges without L, an area of 0.78 under the ROC curve). ``reading="node"``
+  measures it from each node towards the other and beyond, r_robot - 3 cm
+  beyond either node, and ``reading="middle"`` from the edge's middle to both
+  ends; these strips are wider, find L for more edges, and tell less.
 * The extension "up to 5 cm" is as much of 5 cm as keeps the strip within the
   lane's first and last node; where the strip already ends there, nothing.
 * "Closest to the edge" is the distance to the line segment, not to its line.
@@ -60,8 +62,8 @@ class WidthParameters:
         In-lane edges shorter than the first get up to the second more.
     default : float
         L where there is not enough obstacle data.
-    measured_from : {'node', 'middle'}
-        From where l + r_robot - inset is measured, see the module's text.
+    reading : {'whole', 'node', 'middle'}
+        Of what l + r_robot - inset is the width, see the module's text.
     """
 
     node_distance: float = 0.50
@@ -72,7 +74,7 @@ class WidthParameters:
     short_length: float = 0.20
     extension: float = 0.05
     default: float = 5.0
-    measured_from: Literal["node", "middle"] = "node"
+    reading: Literal["whole", "node", "middle"] = "whole"
 
 
 @dataclass(frozen=True)
@@ -190,9 +192,8 @@ def search_strips(
     """
     vector = nodes.position[edges[:, 1]] - nodes.position[edges[:, 0]]
     length = np.linalg.norm(vector, axis=1)
-    reach = length + robot_radius - parameters.inset
-    if parameters.measured_from == "node":
-        reach = reach - length / 2
+    width = length + robot_radius - parameters.inset
+    reach = {"whole": width / 2, "node": width - length / 2, "middle": width}[parameters.reading]
     strips = np.stack([-reach, reach, length / 2], axis=1)
     lanes = _lane_members(nodes)
     for index in np.flatnonzero(length < parameters.short_length):
@@ -246,7 +247,8 @@ def _strip_points(
     points = _edge_frame(obstacles.near(*edge), position[edge[0]], position[edge[1]])
     margin = 2.001 * parameters.cluster_radius
     inside = (points[:, 0] >= strip[0] - margin) & (points[:, 0] <= strip[1] + margin)
-    return points[inside]
+    near: Floats = points[inside]
+    return near
 
 
 def _without_noise(points: list[Floats], parameters: WidthParameters) -> list[Floats]:
@@ -260,9 +262,10 @@ def _without_noise(points: list[Floats], parameters: WidthParameters) -> list[Fl
         return points
     apart = 2.0 * parameters.cluster_radius * np.repeat(np.arange(len(points)), counts)
     stacked = np.column_stack([np.concatenate(points), apart])
-    labels = dbscan(stacked, eps=parameters.cluster_radius, min_samples=parameters.cluster_points)
-    groups = np.split(labels[1] >= 0, np.cumsum(counts)[:-1])
-    return [group[kept] for group, kept in zip(points, groups, strict=True)]
+    _, label = dbscan(stacked, eps=parameters.cluster_radius, min_samples=parameters.cluster_points)
+    groups = np.split(np.asarray(label) >= 0, np.cumsum(counts)[:-1])
+    clustered: list[Floats] = [group[kept] for group, kept in zip(points, groups, strict=True)]
+    return clustered
 
 
 def _width_between(points: Floats, strip: Floats, default: float) -> float:

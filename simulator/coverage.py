@@ -24,27 +24,14 @@ from numpy.typing import NDArray
 
 from simulator.alignment import wall_heading
 from simulator.frontier import Entrance, Frontier, find_frontiers, free_run, propose_entrance
-from simulator.pilot import End, Pilot, direction
+from simulator.lanes import Lane, LaneDriver
+from simulator.pilot import Pilot, direction
 from simulator.robot import wrap
 from simulator.vehicle import Vehicle
 
-__all__ = ["CoverageStrategy", "Lane"]
+__all__ = ["CoverageStrategy"]
 
 Floats = NDArray[np.float64]
-
-_FAR = 100.0
-_DODGE = 0.03
-"""A lane may be pushed aside that far by glancing contacts, m."""
-
-
-@dataclass(frozen=True)
-class Lane:
-    """A driven lane: nodes first..last, its part, and the heading it was driven in."""
-
-    first: int
-    last: int
-    part: int
-    heading: float
 
 
 @dataclass(frozen=True)
@@ -72,10 +59,9 @@ class CoverageStrategy:
         self.vehicle = vehicle
         self.pilot = Pilot(vehicle)
         self.robot = vehicle.robot
-        self._progress = progress
+        self.lanes = LaneDriver(self.pilot, progress)
         self._clearance = vehicle.robot.radius - vehicle.robot.caution
         self._tried: list[Floats] = []
-        self._headings: list[float] = []
         self._parts = 0
 
     def run(self) -> None:
@@ -98,7 +84,7 @@ class CoverageStrategy:
             heading = wall_heading(self.vehicle.obstacles().position, heading)
         self.pilot.turn_to(heading)
         self._parts = 1
-        return self._drive_lane(heading, part=0)
+        return self.lanes.lane_from_here(heading, part=0)
 
     # -- lanes of one part ---------------------------------------------------------------
 
@@ -123,17 +109,9 @@ class CoverageStrategy:
 
     def _wider_side(self, lane: Lane, left: _Neighbour, right: _Neighbour) -> int:
         """+1 if there is more seen free floor to the left of the lane, else -1."""
-        points = np.stack([left.point, right.point])
         runs = [
-            free_run(
-                self.vehicle.grid,
-                self.vehicle.graph.position,
-                points[k : k + 1],
-                lane.heading + side * 0.5 * np.pi,
-                self.robot,
-                self._clearance,
-            )[0]
-            for k, side in ((0, 1), (1, -1))
+            self._free_run(start.point, lane.heading + side * 0.5 * np.pi)
+            for start, side in ((left, 1), (right, -1))
         ]
         return 1 if runs[0] >= runs[1] else -1
 
@@ -174,20 +152,24 @@ class CoverageStrategy:
 
     def _length_through(self, point: Floats, heading: float) -> float:
         """Seen free length of a lane through a point, m."""
+        return self._free_run(point, heading) + self._free_run(point, heading + np.pi)
+
+    def _free_run(self, point: Floats, heading: float) -> float:
+        """Seen free length from a point along a heading, m."""
         nodes = self.vehicle.graph.position
-        runs = [
-            free_run(
-                self.vehicle.grid, nodes, point[None], heading + turn, self.robot, self._clearance
-            )[0]
-            for turn in (0.0, np.pi)
-        ]
-        return float(sum(runs))
+        grid = self.vehicle.grid
+        run = free_run(
+            grid, nodes, point[None], heading, spec=self.robot, clearance=self._clearance
+        )
+        return float(run[0])
 
     def _add_parallel(self, lane: Lane, start: _Neighbour) -> Lane | None:
         """Drive the lane beside ``lane``; None if it could not be begun."""
         if not self._enter(start.node, start.point):
             return None
-        return self._lane_through(start.point, lane.heading, lane.part)
+        following = self.lanes.lane_through(start.point, lane.heading, lane.part)
+        self._give_up_if_uncovered(start.point)
+        return following
 
     # -- new parts -----------------------------------------------------------------------
 
@@ -200,16 +182,16 @@ class CoverageStrategy:
             lane = None
             if self._enter(entrance.node, entrance.point):
                 lane = self._begin_part(entrance)
+                self._give_up_if_uncovered(entrance.point)
             if lane is not None:
                 self._parts += 1
                 return lane
-            self._tried.append(entrance.point)
 
     def _begin_part(self, entrance: Entrance) -> Lane | None:
         if entrance.piercing:
             self.pilot.turn_to(entrance.heading)
-            return self._drive_lane(entrance.heading, self._parts, piercing=True)
-        return self._lane_through(entrance.point, entrance.heading, self._parts)
+            return self.lanes.lane_from_here(entrance.heading, self._parts, opening=self._clearance)
+        return self.lanes.lane_through(entrance.point, entrance.heading, self._parts)
 
     def _nearest_entrance(self) -> Entrance | None:
         """The entrance to the frontier that is nearest by the map's paths."""
@@ -221,9 +203,14 @@ class CoverageStrategy:
                 return None
             length, _ = graph.routes(self.pilot.current_node())
             for frontier in sorted(frontiers, key=lambda f: self._way(f, length)):
-                axis = self._headings[graph.lane[frontier.node[0]]]
+                axis = self.lanes.headings[graph.lane[frontier.node[0]]]
                 entrance = propose_entrance(
-                    grid, graph.position, frontier, axis, self.robot, self._clearance
+                    grid,
+                    graph.position,
+                    frontier,
+                    axis,
+                    spec=self.robot,
+                    clearance=self._clearance,
                 )
                 if entrance is not None:
                     return entrance
@@ -234,15 +221,15 @@ class CoverageStrategy:
     def _way(frontier: Frontier, length: Floats) -> float:
         return float((length[frontier.node] + frontier.distance).min())
 
-    # -- driving lanes -------------------------------------------------------------------
+    # -- leaving the map -----------------------------------------------------------------
 
     def _enter(self, node: int, point: Floats) -> bool:
         """Leave the map at ``node`` and drive to ``point``; remember a failure."""
         pilot = self.pilot
         direct = float(np.hypot(*(point - pilot.position))) < 2.0 * self.robot.lane_spacing
-        if direct and pilot.can_drive(pilot.position, point, self.robot.radius):
-            if pilot.drive_to(point):
-                return True
+        direct = direct and pilot.can_drive(pilot.position, point, self.robot.radius)
+        if direct and pilot.drive_to(point):
+            return True
         if pilot.travel(node) and (pilot.drive_to(point) or pilot.drive_around(point)):
             return True
         if float(np.hypot(*(point - pilot.position))) < 0.1:
@@ -250,108 +237,7 @@ class CoverageStrategy:
         self._tried.append(point)
         return False
 
-    def _lane_through(self, point: Floats, heading: float, part: int) -> Lane | None:
-        """Complete a lane: on along ``heading`` without nodes, then back with nodes."""
-        along = direction(heading)
-        start = point + float((self.pilot.position - point) @ along) * along
-        self.pilot.turn_to(heading)
-        self.pilot.follow(heading, _FAR, start=start, stop=self._is_covered_ahead, dodge=_DODGE)
-        self.pilot.turn_to(heading + np.pi)
-        return self._drive_lane(wrap(heading + np.pi), part, line=point)
-
-    def _drive_lane(
-        self, heading: float, part: int, *, line: Floats | None = None, piercing: bool = False
-    ) -> Lane | None:
-        """Drive a lane from here, a node every 10 cm; None if it came to nothing."""
-        vehicle = self.vehicle
-        lane, first = len(self._headings), len(vehicle.graph)
-        vehicle.lane = lane
-        start = self.pilot.position.copy()
-        along = direction(heading)
-        self._make_node(part)
-
-        def stop() -> bool:
-            progress = float((self.pilot.position - start) @ along)
-            made = len(vehicle.graph) - first
-            if progress >= made * self.robot.node_spacing - 0.005:
-                self._make_node(part)
-                return piercing and self._has_opened(heading)
-            return self._is_covered_ahead()
-
-        base = start if line is None else line + float((start - line) @ along) * along
-        end = self.pilot.follow(heading, _FAR, start=base, stop=stop, dodge=_DODGE)
-        if end is End.CONTACT:
-            self.pilot.back_off()
-        vehicle.lane = -1
-        return self._finish_lane(first, part, heading)
-
-    def _finish_lane(self, first: int, part: int, heading: float) -> Lane | None:
-        """Join the lane to the map, or forget it if nothing joins it."""
-        graph = self.vehicle.graph
-        if first > 0 and not any(a < first <= b for a, b in graph.edges):
-            if not self._join(first):
-                self._tried.extend(graph.position[first:].copy())
-                graph.remove_from(first)
-                return None
-        self._headings.append(heading)
-        if self._progress is not None:
-            self._progress(len(graph), self.vehicle.time)
-        return Lane(first, len(graph) - 1, part, heading)
-
-    def _join(self, first: int) -> bool:
-        """Add the shortest direct edge between older nodes and those from ``first`` on."""
-        graph = self.vehicle.graph
-        pairs = [
-            (float(np.hypot(*(graph.position[old] - graph.position[new]))), int(old), new)
-            for new in range(first, len(graph))
-            for old in graph.within(graph.position[new], 2.0 * self.robot.lane_spacing)
-            if old < first
-        ]
-        for _, old, new in sorted(pairs):
-            here, there = graph.position[old], graph.position[new]
-            if self.pilot.can_drive(here, there, self.robot.edge_clearance):
-                graph.add_edge(old, new)
-                return True
-        return False
-
-    def _make_node(self, part: int) -> None:
-        """A node where the robot stands, with edges to all adjacent nodes (Fig. 4).
-
-        Within a lane only consecutive nodes are joined: Algorithm 1 removes
-        nothing there, so longer edges would survive it.
-        """
-        graph, lane = self.vehicle.graph, self.vehicle.lane
-        node = self.vehicle.add_node(part, lane)
-        here = graph.position[node]
-        for other in graph.within(here, self.robot.edge_radius):
-            if other == node or (graph.lane[other] == lane and other != node - 1):
-                continue
-            in_lane = graph.lane[other] == lane
-            there = graph.position[other]
-            if in_lane or self.pilot.can_drive(here, there, self.robot.edge_clearance):
-                graph.add_edge(int(other), node)
-
-    def _is_covered_ahead(self) -> bool:
-        """Whether older nodes already cover what lies one node spacing ahead."""
-        pose = self.vehicle.estimate
-        ahead = pose[:2] + self.robot.node_spacing * direction(pose[2])
-        graph = self.vehicle.graph
-        skip = self.vehicle.lane
-        now, then = graph.distances(np.stack([pose[:2], ahead]), skip_lane=skip)
-        return bool(then < self.robot.overlap_radius and then < now)
-
-    def _has_opened(self, heading: float) -> bool:
-        """Whether a piercing lane has come out of the narrow passage."""
-        nodes = np.zeros((0, 2))
-        room = [
-            free_run(
-                self.vehicle.grid,
-                nodes,
-                self.pilot.position[None],
-                heading + turn,
-                self.robot,
-                self._clearance,
-            )[0]
-            for turn in (0.5 * np.pi, -0.5 * np.pi)
-        ]
-        return bool(min(room) >= self.robot.piercing_opening)
+    def _give_up_if_uncovered(self, point: Floats) -> None:
+        """Remember a place that was entered but that the lane did not cover."""
+        if self.vehicle.graph.distances(point[None])[0] > self.robot.cover_radius:
+            self._tried.append(point)

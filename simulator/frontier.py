@@ -88,6 +88,7 @@ def free_run(
     nodes: Floats,
     points: Floats,
     heading: float,
+    *,
     spec: RobotSpec,
     clearance: float,
 ) -> Floats:
@@ -122,6 +123,7 @@ def propose_entrance(
     nodes: Floats,
     frontier: Frontier,
     axis: float,
+    *,
     spec: RobotSpec,
     clearance: float,
 ) -> Entrance | None:
@@ -140,16 +142,19 @@ def propose_entrance(
     if len(points) == 0:
         return None
     headings = axis + 0.5 * np.pi * np.arange(4)
-    runs = np.stack([free_run(grid, nodes, points, h, spec, clearance) for h in headings], axis=1)
+    runs = np.stack(
+        [free_run(grid, nodes, points, h, spec=spec, clearance=clearance) for h in headings], axis=1
+    )
     units = np.stack([np.cos(headings), np.sin(headings)], axis=1)
     outward = ((points - nodes[node]) @ units.T).argmax(axis=1)
     rows = np.arange(len(points))
     left, right = runs[rows, (outward + 1) % 4], runs[rows, (outward + 3) % 4]
     width = left + right
     if width.max() >= spec.piercing_width:
-        # Long lanes, but at the lane spacing: 3 cm off count as much as 0.3 m of length.
-        off = np.abs(frontier.distance[order][reach] - spec.lane_spacing)
-        best = int(np.where(width >= spec.piercing_width, width - 10.0 * off, -np.inf).argmax())
+        # The longest lane, but at the lane spacing first of all.
+        off = np.round(np.abs(frontier.distance[order][reach] - spec.lane_spacing), 2)
+        wide = width >= spec.piercing_width
+        best = int(np.lexsort((-width, np.maximum(off, 0.02), ~wide))[0])
         nearer = 1 if left[best] <= right[best] else 3
         heading = headings[(outward[best] + nearer) % 4]
         return Entrance(int(node[best]), points[best], float(heading), piercing=False)

@@ -106,7 +106,10 @@ class MapGraph:
 
     def routes(self, start: int) -> tuple[Floats, Ints]:
         """Dijkstra from ``start``: path length to every node, m, and predecessors."""
-        return dijkstra(self.weights(), directed=False, indices=start, return_predecessors=True)
+        length, previous = dijkstra(
+            self.weights(), directed=False, indices=start, return_predecessors=True
+        )
+        return np.asarray(length), np.asarray(previous)
 
     def is_connected(self) -> bool:
         """Whether every node can be reached over edges."""

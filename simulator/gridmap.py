@@ -51,11 +51,11 @@ class GridMap:
 
     def cells(self, points: Floats) -> NDArray[np.int64]:
         """Cell indices (x, y) of points (n, 2) m, shape (n, 2)."""
-        return np.floor((points - self.corner) / CELL).astype(np.int64)
+        return np.asarray(np.floor((points - self.corner) / CELL), dtype=np.int64)
 
     def centres(self, cells: NDArray[np.int64]) -> Floats:
         """Cell centres, m, shape (n, 2)."""
-        return self.corner + (cells + 0.5) * CELL
+        return np.asarray(self.corner + (cells + 0.5) * CELL)
 
     def add_scan(self, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
         """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m).
@@ -82,7 +82,7 @@ class GridMap:
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
         self._hold(pose[:2], 1.3)
-        reach = np.arange(-radius, radius + CELL, CELL)
+        reach = np.arange(-radius, radius, 0.8 * CELL)
         x, y = np.meshgrid(reach, reach)
         inside = np.hypot(x, y) < radius - _RIM
         disc = np.column_stack([x[inside], y[inside]])
@@ -94,7 +94,8 @@ class GridMap:
         """Centres of blocked cells in a box widened by ``margin``, m, shape (k, 2)."""
         corner, patch = self._patch(low, high, margin)
         window = np.s_[corner[0] : corner[0] + patch[0], corner[1] : corner[1] + patch[1]]
-        return self.centres(np.argwhere(self.blocked(window)) + corner)
+        cells = np.argwhere(self.blocked(window)) + corner
+        return np.asarray(self.centres(cells))
 
     def blocked(self, window: tuple[slice, slice] = np.s_[:, :]) -> Bools:
         """Which cells in a part of the grid count as obstacles.
@@ -116,7 +117,7 @@ class GridMap:
         if len(blocked) == 0:
             return np.full(len(points), limit)
         gap = points[:, None] - blocked[None]
-        return np.minimum(np.sqrt((gap * gap).sum(axis=2).min(axis=1)), limit)
+        return np.asarray(np.minimum(np.sqrt((gap * gap).sum(axis=2).min(axis=1)), limit))
 
     def is_seen(self, points: Floats) -> Bools:
         """Whether each point (n, 2) lies in a seen cell."""
@@ -167,11 +168,11 @@ class GridMap:
 
     def _hold(self, point: Floats, margin: float) -> None:
         """Grow until everything within ``margin`` m of ``point`` is on the grid."""
-        low = (point - margin - self.corner) / CELL
-        high = (point + margin - self.corner) / CELL
-        before = np.where(low < 0, _BLOCK, 0)
-        after = np.where(high >= self.seen.shape, _BLOCK, 0)
-        if before.any() or after.any():
+        short = (self.corner - (point - margin)) / CELL
+        over = (point + margin - self.corner) / CELL - self.seen.shape
+        if max(*short, *over) >= 0.0:
+            before = _BLOCK * np.maximum(np.floor(short / _BLOCK) + 1, 0).astype(np.int64)
+            after = _BLOCK * np.maximum(np.floor(over / _BLOCK) + 1, 0).astype(np.int64)
             pads = tuple(zip(before.tolist(), after.tolist(), strict=True))
             self.evidence = np.pad(self.evidence, pads)
             self.seen = np.pad(self.seen, pads)

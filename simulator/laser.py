@@ -48,7 +48,7 @@ class SensorSpec:
     period: float = 0.5
     range_noise: float = 0.004
     range_noise_quadratic: float = 0.012
-    dropout: float = 0.1
+    dropout: float = 0.2
     dropout_far: float = 1.0
     false_rate: float = 0.003
     bumper_noise: float = 0.15

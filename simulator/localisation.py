@@ -32,6 +32,7 @@ def corrected_estimate(
     true_pose: Floats,
     node_estimates: Floats,
     node_true_poses: Floats,
+    *,
     spec: RobotSpec,
     rng: np.random.Generator,
 ) -> Floats:

@@ -91,11 +91,11 @@ class RobotSpec:
     radius: float = 0.15
     height: float = 0.10
     wheel_base: float = 0.22
-    speed: float = 0.2
+    speed: float = 0.16
     turn_rate: float = 1.2
-    time_step: float = 0.1
-    slip_bias: float = 0.001
-    slip_noise: float = 0.004
+    time_step: float = 0.125
+    slip_bias: float = 0.0008
+    slip_noise: float = 0.003
     slip_memory: float = 0.5
     correction_period: float = 0.5
     correction_radius: float = 0.5

@@ -145,5 +145,5 @@ class Vehicle:
         nodes = nodes[: self.robot.correction_nodes]
         estimates, poses = self.graph.estimate[nodes], self.graph.true_pose[nodes]
         self.estimate = corrected_estimate(
-            self.estimate, self._true, estimates, poses, self.robot, self._rng
+            self.estimate, self._true, estimates, poses, spec=self.robot, rng=self._rng
         )

@@ -94,9 +94,11 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
 
 
 def compute(file: MapFile, names: Sequence[str], bar: Progress) -> EdgeFeatures:
-    """Compute the edge features of one map, with a line of progress."""
+    """Compute the edge features of one map; with a line of progress if images are read."""
     from roomseg.features import edge_features
 
+    if not FROM_IMAGES & set(names):
+        return edge_features(file, names)
     show = follow(bar, file.path.name)
     show(0, len(file.done))
     features = edge_features(file, names, progress=show)

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import click
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -39,8 +38,13 @@ class _Rate(ProgressColumn):
     def render(self, task: Task) -> Text:
         seconds = task.finished_time or task.elapsed
         new = task.completed - task.fields.get("begin", 0)
-        rate = f"{60.0 * new / seconds:.3g}" if seconds and new else "-"
+        rate = _figures(60.0 * new / seconds) if seconds and new else "-"
         return Text(f"{rate} {self.unit}/min", no_wrap=True)
+
+
+def _figures(value: float) -> str:
+    """Three figures, without an exponent."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
 @contextmanager
@@ -109,4 +113,3 @@ def write_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     if not console.is_terminal:
         console = Console(width=Console(width=MOST_COLUMNS).measure(table).maximum)
     console.print(table)
-    click.echo(nl=False)

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from dataset import problems
+from dataset import FormatError, MapFile, problems, read_map, summarise
 
 
 def put(name, value):
@@ -286,3 +286,22 @@ def test_drawn_borders_are_crossed_by_estimates(full_path):
         put("nodes/true_pose", pose)(file)
         file["ground_truth/borders"].attrs["frame"] = "map"
     assert list(problems(full_path)) == []
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_readers_refuse_or_read_what_is_wrong(full_path, case):
+    spoil, _ = CASES[case]
+    with h5py.File(full_path, "r+") as file:
+        spoil(file)
+    for read in (read_map, summarise, all_images):
+        try:
+            read(full_path)
+        except FormatError as error:
+            assert str(error).startswith(f"{full_path}: ")
+            assert "\n" not in str(error)
+
+
+def all_images(path):
+    with MapFile(path) as file:
+        file.images()
+        return [file.gain(node) for node in range(8)], file.rooms, file.preset

@@ -19,7 +19,7 @@ from scenes.apartment import Window
         ((-2.1, 0.5), (-2.21, 0.5), (1.0, 0.0)),
     ],
 )
-def test_a_portal_lies_outside_and_faces_the_room(
+def test_a_window_light_lies_outside_and_faces_the_room(
     position: tuple[float, float], middle: tuple[float, float], inward: tuple[float, float]
 ) -> None:
     frame = window_frame(boxed_room(position), Window(position=position))
@@ -28,7 +28,7 @@ def test_a_portal_lies_outside_and_faces_the_room(
     assert frame[1] == pytest.approx(inward)
 
 
-def test_a_window_between_two_outsides_has_no_portal() -> None:
+def test_a_window_between_two_outsides_has_no_light() -> None:
     room = boxed_room((0.0, 2.1))
     wall = room.walls[0].model_copy(update={"start": (8.0, 0.0), "end": (12.0, 0.0)})
     apart = room.model_copy(update={"walls": (*room.walls, wall)})

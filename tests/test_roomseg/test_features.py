@@ -12,7 +12,7 @@ from cleaned_flat import cleaned_flat, fisheye_image
 from dataset.camera import SIMULATED_CAMERA
 from dataset.errors import FormatError
 from dataset.storage import MapFile, write_map
-from dataset.topomap import TopoMap
+from dataset.topomap import Nodes, TopoMap, Visits
 from roomseg.features import FEATURES, SUBSETS, EdgeFeatures, edge_features
 from roomseg.panorama import PanoramaParameters, Unfolding, compass_distances, signature_distances
 from roomseg.passage_width import passageway_widths
@@ -41,16 +41,34 @@ class Images:
         return self.pixels[index]
 
 
+NODES = 60
+
+
+@pytest.fixture(scope="module")
+def corner() -> TopoMap:
+    """The first nodes of the flat."""
+    flat = cleaned_flat()
+    nodes, visits = flat.nodes, flat.visits
+    columns = ("position", "heading", "part", "lane", "true_pose")
+    return replace(
+        flat,
+        nodes=Nodes(*(getattr(nodes, name)[:NODES] for name in columns)),
+        edges=flat.edges[(flat.edges < NODES).all(axis=1)],
+        visits=Visits(visits.node[:NODES], visits.time[:NODES]),
+        ground_truth=None,
+        path=None,
+        camera=CAMERA,
+    )
+
+
 @pytest.fixture(scope="module")
 def pixels() -> np.ndarray:
-    n = len(cleaned_flat().nodes)
-    return np.stack([fisheye_image(CAMERA, seed) for seed in range(n)])
+    return np.stack([fisheye_image(CAMERA, seed) for seed in range(NODES)])
 
 
 @pytest.fixture
-def images(pixels: np.ndarray) -> Images:
-    topomap = replace(cleaned_flat(), camera=CAMERA)
-    return Images(topomap, pixels, np.ones(len(topomap.nodes), dtype=bool))
+def images(corner: TopoMap, pixels: np.ndarray) -> Images:
+    return Images(corner, pixels, np.ones(NODES, dtype=bool))
 
 
 def test_columns_are_the_five_features(images: Images) -> None:

@@ -19,7 +19,7 @@ from roomseg.spectral import adjacency
 
 
 def rows_map(lines: tuple[float, ...], room_count: int, columns: int = 40) -> TopoMap:
-    """A corridor of four lanes along x, 0.1 m steps, with border lines across it at x = ``lines``."""
+    """A corridor of four lanes along x, 0.1 m steps, border lines across it at ``lines``."""
     x, y = np.meshgrid(np.arange(columns) * 0.1, np.arange(4) * 0.3)
     position = np.stack([x.ravel(), y.ravel()], axis=1)
     index = np.arange(4 * columns).reshape(4, columns)
@@ -132,9 +132,9 @@ def test_borders_that_do_not_cut() -> None:
 
 
 def test_more_rooms_than_the_count_says() -> None:
-    """Three equal parts and two rooms: there is no clear answer."""
+    """Three equal parts, but the operator counted two."""
     topomap = rows_map((1.35, 2.65), 2, columns=41)
-    with pytest.raises(FormatError, match="expected a clear room_count 2") as caught:
+    with pytest.raises(FormatError, match="into 3 rooms, expected the room_count 2") as caught:
         label_rooms(topomap)
     assert "\n" not in str(caught.value)
 

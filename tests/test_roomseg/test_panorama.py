@@ -37,9 +37,9 @@ def scene_image(heading: float, seed: int = 0, camera: FisheyeCamera = SIMULATED
 def test_compass_distance_is_the_minimum_over_all_rotations() -> None:
     panoramas = random_panoramas(3)
     edges = np.array([[0, 1], [1, 2], [0, 0]])
-    for distance, (k, l) in zip(compass_distances(panoramas, edges), edges, strict=True):
+    for distance, (k, m) in zip(compass_distances(panoramas, edges), edges, strict=True):
         differences = [
-            np.linalg.norm(panoramas[k].astype(float) - np.roll(panoramas[l], -delta, axis=1))
+            np.linalg.norm(panoramas[k].astype(float) - np.roll(panoramas[m], -delta, axis=1))
             for delta in range(288)
         ]
         assert distance == pytest.approx(min(differences), rel=1e-12)

@@ -64,7 +64,7 @@ def test_doorway_is_narrow_only_near_the_posts() -> None:
     posts = [wall(side, 0.45, 0.56, 0.01) for side in (0.35, -0.35)]
     topomap = lane_map(np.vstack([*posts, wall(1.5), wall(-1.5)]))
     width = passageway_widths(topomap, topomap.edges)
-    # The strip ends 12 cm + 5 cm beyond either node.
+    # The strip ends 6 cm + 5 cm beyond either node.
     assert width[3:7] == pytest.approx(np.full(4, 0.7), abs=0.02)
     assert width[0] == pytest.approx(3.0, abs=0.01)
     assert width[9] == pytest.approx(3.0, abs=0.01)
@@ -110,10 +110,10 @@ def test_near_points_by_definition() -> None:
         assert sorted(local.near(k).tolist()) == sorted(expected.tolist())
 
 
-def brute_force_width(topomap: TopoMap, local: LocalObstacles, k: int, l: int, strip) -> float:
+def brute_force_width(topomap: TopoMap, local: LocalObstacles, k: int, m: int, strip) -> float:
     """§2.2.2 with DBSCAN over all near points, point by point."""
-    points = local.near(k, l)
-    a, b = topomap.nodes.position[[k, l]]
+    points = local.near(k, m)
+    a, b = topomap.nodes.position[[k, m]]
     if not len(points):
         return 5.0
     clustered = DBSCAN(eps=0.1, min_samples=3).fit(points).labels_ >= 0
@@ -139,8 +139,8 @@ def test_widths_against_brute_force() -> None:
     local = LocalObstacles.of(topomap, parameters)
     strips = search_strips(topomap.nodes, edges, topomap.robot_radius, PAPER)
     expected = [
-        brute_force_width(topomap, local, k, l, strip)
-        for (k, l), strip in zip(edges, strips, strict=True)
+        brute_force_width(topomap, local, k, m, strip)
+        for (k, m), strip in zip(edges, strips, strict=True)
     ]
     width = passageway_widths(topomap, edges, parameters)
     assert width == pytest.approx(expected)
@@ -151,34 +151,28 @@ def test_search_strip_by_hand() -> None:
     nodes = lane_map([]).nodes
     edges = np.array([[0, 1], [1, 2], [2, 3], [4, 5], [8, 9], [9, 10], [0, 3], [3, 5]])
     strips = search_strips(nodes, edges, 0.15, PAPER)
-    half = 0.05 + 0.12
+    half = (0.10 + 0.15 - 0.03) / 2
     # At the lane's ends the strip already ends beyond the lane: nothing is added there.
+    # The next edge's strip ends 4 cm before the end of the lane.
     assert strips[0] == pytest.approx([-half, half + 0.05, 0.05])
-    assert strips[1] == pytest.approx([-half, half + 0.05, 0.05])
+    assert strips[1] == pytest.approx([-half - 0.04, half + 0.05, 0.05])
     assert strips[2] == pytest.approx([-half - 0.05, half + 0.05, 0.05])
     assert strips[3] == pytest.approx([-half - 0.05, half + 0.05, 0.05])
-    assert strips[4] == pytest.approx([-half - 0.05, half, 0.05])
+    assert strips[4] == pytest.approx([-half - 0.05, half + 0.04, 0.05])
     assert strips[5] == pytest.approx([-half - 0.05, half, 0.05])
-    assert strips[6] == pytest.approx([-0.27, 0.27, 0.15])  # not short
-    assert strips[7] == pytest.approx([-0.22, 0.22, 0.10])  # neither short nor subsequent
+    assert strips[6] == pytest.approx([-0.21, 0.21, 0.15])  # not short
+    assert strips[7] == pytest.approx([-0.16, 0.16, 0.10])  # neither short nor subsequent
 
 
-def test_partial_extension_at_the_end_of_a_lane() -> None:
-    nodes = lane_map([], spacing=0.14).nodes
-    strips = search_strips(nodes, np.array([[1, 2]]), 0.15, PAPER)
-    # The lane begins 0.14 m before node 1, and the strip 0.12 m: 2 cm are left.
-    assert strips[0] == pytest.approx([-0.07 - 0.14, 0.07 + 0.17, 0.07])
-
-
-def test_strip_measured_from_the_middle() -> None:
-    nodes = lane_map([]).nodes
-    parameters = WidthParameters(measured_from="middle")
+@pytest.mark.parametrize(("reading", "reach"), [("whole", 0.21), ("node", 0.27), ("middle", 0.42)])
+def test_readings_of_the_width(reading: str, reach: float) -> None:
+    nodes, parameters = lane_map([]).nodes, WidthParameters(reading=reading)
     strips = search_strips(nodes, np.array([[0, 3]]), 0.15, parameters)
-    assert strips[0] == pytest.approx([-0.42, 0.42, 0.15])
+    assert strips[0] == pytest.approx([-reach, reach, 0.15])
 
 
 def test_short_edges_between_lanes_are_not_extended() -> None:
     topomap = lane_map([])
     lanes = np.repeat([0, 1], [6, 5])
     strips = search_strips(replace(topomap.nodes, lane=lanes), np.array([[5, 6]]), 0.15, PAPER)
-    assert strips[0] == pytest.approx([-0.17, 0.17, 0.05])
+    assert strips[0] == pytest.approx([-0.11, 0.11, 0.05])

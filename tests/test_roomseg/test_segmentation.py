@@ -50,7 +50,7 @@ def test_uniform_variant_ignores_lengths() -> None:
     assert (uniform == uniform[0]).all()  # across the 16 columns
     by_length = segment(graph, np.zeros(len(graph), bool), 2, np.random.default_rng(0))
     by_length = by_length.reshape(12, 16)
-    assert (by_length.T == by_length[:, 0]).all()  # across the 3.3 m
+    assert (by_length[:, 0] == by_length.T).all()  # across the 3.3 m
 
 
 def test_pieces_are_joined_to_the_node_before() -> None:

@@ -1,0 +1,65 @@
+"""The growing map: visits, shortest paths, connectedness."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from simulator.graph import MapGraph
+
+
+def chain(n=5, spacing=0.1):
+    graph = MapGraph()
+    for k in range(n):
+        graph.add_node(np.array([k * spacing, 0.0, 0.0]), np.zeros(3), 0, 0, float(k))
+        if k:
+            graph.add_edge(k - 1, k)
+    return graph
+
+
+def test_shortest_path_over_a_shortcut():
+    graph = chain(6)
+    graph.add_edge(5, 0)
+    length, previous = graph.routes(0)
+    assert length[5] == pytest.approx(0.5, abs=1e-4)
+    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
+    graph.add_edge(6, 5)
+    assert graph.routes(0)[1][6] == 5
+    assert previous[1] == 0
+
+
+def test_connectedness():
+    graph = chain(3)
+    assert graph.is_connected()
+    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
+    assert not graph.is_connected()
+
+
+def test_one_visit_per_approach():
+    graph = chain(2)
+    graph.visits.clear()
+    for time, x in enumerate([0.5, 0.12, 0.11, 0.5, 0.1, 0.02]):
+        graph.visit(np.array([x, 0.0, 0.0]), float(time), 0.03)
+    assert graph.visits == [(1.0, 1), (4.0, 1), (5.0, 0)]
+
+
+def test_forgetting_the_last_nodes():
+    graph = chain(6)
+    graph.remove_from(4)
+    assert len(graph) == 4
+    assert graph.edges == [(0, 1), (1, 2), (2, 3)]
+    assert {node for _, node in graph.visits} == {0, 1, 2, 3}
+
+
+def test_many_nodes_grow_the_arrays():
+    graph = chain(700)
+    np.testing.assert_allclose(graph.position[:, 0], 0.1 * np.arange(700))
+
+
+def test_distances_leave_out_a_lane():
+    graph = chain(3)
+    graph.add_node(np.array([0.0, 0.3, 0.0]), np.zeros(3), 0, 7, 9.0)
+    points = np.array([[0.0, 0.3]])
+    assert graph.distances(points)[0] == 0.0
+    assert graph.distances(points, skip_lane=7)[0] == pytest.approx(0.3)
+    assert graph.within(np.array([0.0, 0.29]), 0.3).tolist() == [3, 0]
