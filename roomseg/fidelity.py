@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from roomseg.evaluation import LabelledMap
 from roomseg.figures import RocCurve
@@ -93,5 +94,5 @@ def _qualities(maps: Sequence[LabelledMap]) -> dict[str, FeatureQuality]:
     return {name: feature_quality(_pooled(maps, name), is_border) for name in names}
 
 
-def _pooled(maps: Sequence[LabelledMap], name: str) -> np.ndarray:
+def _pooled(maps: Sequence[LabelledMap], name: str) -> NDArray[np.float64]:
     return np.concatenate([item.features.column(name) for item in maps])

@@ -62,19 +62,27 @@ class CoverageStrategy:
         self.lanes = LaneDriver(self.pilot, progress)
         self._clearance = vehicle.robot.radius - vehicle.robot.caution
         self._tried: list[Floats] = []
+        self._tried_at_last: list[Floats] = []
         self._parts = 0
 
     def run(self) -> None:
         """Cover everything that can be reached, then return to the base."""
         lane = self._first_lane()
-        for caution in (self.robot.caution, self.robot.last_caution):
-            self._clearance = self.robot.radius - caution
-            self._tried.clear()
+        while lane is not None:
             while lane is not None:
                 self._meander(lane)
                 lane = self._new_part()
-            lane = self._new_part()
+            lane = self._last_attempt()
         self.pilot.travel(0)
+
+    def _last_attempt(self) -> Lane | None:
+        """A part at what only a bolder plan reaches, for instance through a tight gap."""
+        usual = self._clearance, self._tried
+        self._clearance = self.robot.radius - self.robot.last_caution
+        self._tried = self._tried_at_last
+        lane = self._new_part()
+        self._clearance, self._tried = usual
+        return lane
 
     def _first_lane(self) -> Lane | None:
         """Look around, then drive a lane from the base along the walls in sight."""

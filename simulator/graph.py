@@ -78,11 +78,12 @@ class MapGraph:
         self.visits.extend((time, node) for node in sorted(near - self._near))
         self._near = near
 
-    def distances(self, points: Floats, skip_lane: int = -1) -> Floats:
-        """Distance of points (m, 2) to the nearest node outside ``skip_lane``, m."""
+    def distances(self, points: Floats, running_lane: int = -1) -> Floats:
+        """Distance of points (m, 2) to the nearest node, m; without the running lane's if given."""
         nodes = self.position
-        if skip_lane >= 0:
-            nodes = nodes[np.asarray(self.lane) != skip_lane]
+        if running_lane >= 0 and self.lane and self.lane[-1] == running_lane:
+            # A lane's nodes are consecutive, and only the running lane is left out.
+            nodes = nodes[: self.lane.index(running_lane)]
         if len(nodes) == 0:
             return np.full(len(points), np.inf)
         gap = points[:, None] - nodes[None]

@@ -160,7 +160,7 @@ class LaneDriver:
         ahead = pose[:2] + self.robot.node_spacing * direction(pose[2])
         graph = self._vehicle.graph
         skip = self._vehicle.lane
-        now, then = graph.distances(np.stack([pose[:2], ahead]), skip_lane=skip)
+        now, then = graph.distances(np.stack([pose[:2], ahead]), running_lane=skip)
         return bool(then < self.robot.overlap_radius and then < now)
 
     def _has_opened(self, heading: float, clearance: float) -> bool:

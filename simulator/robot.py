@@ -94,8 +94,8 @@ class RobotSpec:
     speed: float = 0.16
     turn_rate: float = 1.2
     time_step: float = 0.125
-    slip_bias: float = 0.0008
-    slip_noise: float = 0.003
+    slip_bias: float = 0.0005
+    slip_noise: float = 0.0025
     slip_memory: float = 0.5
     correction_period: float = 0.5
     correction_radius: float = 0.5

@@ -25,6 +25,9 @@ Floats = NDArray[np.float64]
 _FREE_WITHOUT_SPOT = 0.6
 """A beam without a spot counts as free only so far, m: the spot may be missing."""
 
+_MARK_SPACING = 0.25
+"""m."""
+
 _RECENT = 5
 """The last nodes of the running lane say nothing new about the position."""
 
@@ -55,6 +58,7 @@ class Vehicle:
         self._true = self.estimate.copy()
         self._bearings = sensor.bearings()
         self._gap = 0.0
+        self._marks: list[Floats] = []
         self._next_scan = 0.0
         self._next_correction = 0.0
         self._points: list[Floats] = []
@@ -139,11 +143,28 @@ class Vehicle:
         self._points.append(np.column_stack([points, np.full(len(beam), self.time), beam]))
 
     def _correct(self) -> None:
+        """Relate the image to those of nearby nodes, or of marks where there are no nodes."""
         nodes = self.graph.within(self.estimate, self.robot.correction_radius)
         if self.lane >= 0:
             nodes = nodes[nodes < len(self.graph) - _RECENT]
         nodes = nodes[: self.robot.correction_nodes]
         estimates, poses = self.graph.estimate[nodes], self.graph.true_pose[nodes]
+        if len(nodes) == 0:
+            estimates, poses = self._near_marks()
         self.estimate = corrected_estimate(
             self.estimate, self._true, estimates, poses, spec=self.robot, rng=self._rng
         )
+
+    def _near_marks(self) -> tuple[Floats, Floats]:
+        """Estimates and true poses of nearby marks, (k, 3) each; sets one where none is near.
+
+        Away from its map the robot keeps images of its way, about four a metre,
+        so that it finds back. They are no part of the map.
+        """
+        marks = np.array(self._marks).reshape(-1, 2, 3)
+        away = np.hypot(*(marks[:, 0, :2] - self.estimate[:2]).T)
+        if self.lane < 0 and (len(away) == 0 or away.min() > _MARK_SPACING):
+            self._marks.append(np.stack([self.estimate, self._true]))
+        near = np.argsort(away, kind="stable")[: self.robot.correction_nodes]
+        near = near[away[near] <= self.robot.correction_radius]
+        return marks[near, 0], marks[near, 1]

@@ -190,6 +190,14 @@ def test_without_noise_the_estimate_is_the_truth():
     assert np.hypot(*gap.T).max() < 1e-3
 
 
+def test_a_long_corridor_is_cleaned_in_spite_of_bad_odometry():
+    """Metres away from its map the robot still finds back to it."""
+    plan = box_room(width=8.0, height=0.9, start=(4.0, 0.45))
+    topomap = simulate(plan, seed=7, robot=RobotSpec(slip_bias=0.002, slip_noise=0.006))
+    report = coverage_report(topomap, plan)
+    assert report.coverage >= 0.97 and report.connected
+
+
 def test_another_start_is_used():
     topomap = simulate(box_room(), start=(1.8, 1.2, np.pi))
     np.testing.assert_allclose(topomap.path.true_pose[0], [1.8, 1.2, -np.pi], atol=1e-6)

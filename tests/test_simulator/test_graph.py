@@ -61,5 +61,5 @@ def test_distances_leave_out_a_lane():
     graph.add_node(np.array([0.0, 0.3, 0.0]), np.zeros(3), 0, 7, 9.0)
     points = np.array([[0.0, 0.3]])
     assert graph.distances(points)[0] == 0.0
-    assert graph.distances(points, skip_lane=7)[0] == pytest.approx(0.3)
+    assert graph.distances(points, running_lane=7)[0] == pytest.approx(0.3)
     assert graph.within(np.array([0.0, 0.29]), 0.3).tolist() == [3, 0]
