@@ -38,7 +38,7 @@ class Nodes:
     """Map nodes, in order of creation.
 
     position (n, 2) m and heading (n,) rad are the robot's own estimates;
-    part and lane (n,) are the indices of Algorithm 1; true_pose (n, 3) m, m,
+    part and lane (n,) are the indices of Algorithm 1, from 0; true_pose (n, 3) m, m,
     rad is where the camera really was, or None for a real robot.
     """
 
@@ -55,6 +55,9 @@ class Nodes:
         put(self, "heading", _check("nodes/heading", self.heading, np.float64, (n,)))
         put(self, "part", _check("nodes/part", self.part, np.int32, (n,)))
         put(self, "lane", _check("nodes/lane", self.lane, np.int32, (n,)))
+        for name, index in (("part", self.part), ("lane", self.lane)):
+            if n and index.min() < 0:
+                raise FormatError(f"nodes/{name}: {index.min()}, expected >= 0")
         if self.true_pose is not None:
             put(self, "true_pose", _check("nodes/true_pose", self.true_pose, np.float64, (n, 3)))
 
@@ -184,8 +187,10 @@ class TopoMap:
         edges = _check("edges", self.edges, np.int32, (None, 2))
         object.__setattr__(self, "edges", edges)
         n = len(self.nodes)
-        if len(edges) and (edges.min() < 0 or edges.max() >= n):
-            raise FormatError(f"edges: node index {edges.max()}, expected 0..{n - 1}")
+        for name, index in (("edges", edges), ("visits/node", self.visits.node)):
+            outside = index[(index < 0) | (index >= n)]
+            if len(outside):
+                raise FormatError(f"{name}: node index {outside[0]}, expected 0..{n - 1}")
         if (edges[:, 0] >= edges[:, 1]).any():
             raise FormatError("edges: a pair is not (smaller, larger) node index")
         truth = self.ground_truth

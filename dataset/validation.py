@@ -94,6 +94,7 @@ def _problems(file: h5py.File) -> Iterator[str]:
     yield from _check_root(file)
     yield from _check_arrays(file, sound)
     checks: tuple[Callable[[h5py.File, Sound], Iterator[str]], ...] = (
+        _check_lanes,
         _check_edges,
         _check_connected,
         _check_visits,
@@ -114,7 +115,7 @@ def _check_root(file: h5py.File) -> Iterator[str]:
     for name in ("seed", "robot_radius"):
         yield from _refusal(partial(number_attribute, file, name))
     radius = file.attrs.get("robot_radius", 1.0)
-    if isinstance(radius, float) and radius <= 0.0:
+    if isinstance(radius, float | np.integer) and radius <= 0.0:
         yield f"attribute robot_radius of /: {radius}, expected > 0 m"
 
 
@@ -157,6 +158,14 @@ def _check_array(field: _Field, found: h5py.Dataset, lengths: dict[str, int]) ->
     elif field.kind == "f" and not np.isfinite(values := found[()]).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
         yield f"/{field.name}: {values[where]} at {where}, expected finite numbers"
+
+
+def _check_lanes(file: h5py.File, sound: Sound) -> Iterator[str]:
+    for name in ("nodes/part", "nodes/lane"):
+        index = sound[name][()] if name in sound else np.empty(0, np.int32)
+        if (index < 0).any():
+            node = int((index < 0).argmax())
+            yield f"/{name}: node {node} has {index[node]}, expected >= 0"
 
 
 def _check_edges(file: h5py.File, sound: Sound) -> Iterator[str]:
@@ -269,16 +278,19 @@ def _check_ground_truth(file: h5py.File, sound: Sound) -> Iterator[str]:
             yield f"attribute frame of /ground_truth/borders: {frame!r}, expected scene or map"
     yield from faults
     room = sound.get("ground_truth/room")
-    if not faults and room is not None:
-        count = number_attribute(truth, "room_count")
-        yield from _check_labels("ground_truth/room", room[()], int(count), "room_count")
+    if not faults:
+        count = int(number_attribute(truth, "room_count"))
+        labels = None if room is None else room[()]
+        yield from _check_labels("ground_truth/room", labels, count, "room_count")
 
 
 def _check_labels(
-    name: str, labels: NDArray[np.int32], count: int, attribute: str
+    name: str, labels: NDArray[np.int32] | None, count: int, attribute: str
 ) -> Iterator[str]:
     if count < 1:
         yield f"attribute {attribute} of /{name.split('/', maxsplit=1)[0]}: {count}, expected >= 1"
+        return
+    if labels is None:
         return
     outside = (labels < 0) | (labels >= count)
     if outside.any():

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import re
 import sys
+from ctypes.util import find_library
 from types import ModuleType
 
 from dataset.errors import RoomsegError
@@ -46,8 +47,13 @@ def explain(error: ImportError) -> str:
     match = re.search(r"(lib\w+)\.so[.\d]*", str(error))
     if match is None:
         return f"Blender (bpy): cannot be loaded: {' '.join(str(error).split())}"
-    wanted = DEBIAN_PACKAGES.get(match[1])
-    install = wanted or " ".join(DEBIAN_PACKAGES.values())
+    # The loader names only the first; a user wants to install all of them at once.
+    packages = [
+        package
+        for library, package in DEBIAN_PACKAGES.items()
+        if library == match[1] or find_library(library.removeprefix("lib")) is None
+    ]
+    install = " ".join(packages if match[1] in DEBIAN_PACKAGES else DEBIAN_PACKAGES.values())
     return (
         f"Blender (bpy): system library {match[0]} is missing, expected: apt-get install {install}"
     )

@@ -6,7 +6,8 @@ paper standardises with the training set's mean and standard deviation
 (§2.3.1); ``StandardScaler`` divides by N where Matlab divides by N - 1, which
 for tens of thousands of edges changes nothing.
 
-The iteration limit is libsvm's own; scikit-learn has none by default.
+The iteration limit is libsvm's own for up to 100 000 edges; scikit-learn has
+none by default.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from sklearn.svm import SVC
 from dataset.atomic import replacing
 from dataset.errors import FormatError
 from roomseg.features import EdgeFeatures
+from roomseg.model_bytes import make_repeatable
 
 __all__ = [
     "BorderModel",
@@ -140,7 +142,10 @@ def train(
 
 
 def save_model(model: BorderModel, path: str | Path) -> None:
-    """Write a model as a skops file (no pickle); the old file stays until it is complete."""
+    """Write a model as a skops file (no pickle); the old file stays until it is complete.
+
+    Equal models give equal bytes.
+    """
     content = {
         "format": MODEL_FORMAT,
         "version": MODEL_VERSION,
@@ -150,6 +155,7 @@ def save_model(model: BorderModel, path: str | Path) -> None:
     }
     with replacing(path) as temporary:
         skops.io.dump(content, temporary)
+        make_repeatable(temporary)
 
 
 def load_model(path: str | Path) -> BorderModel:

@@ -113,7 +113,16 @@ class MapResult:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Results of all maps, in the order in which they were given."""
+    """Results of all maps.
+
+    Attributes
+    ----------
+    results : tuple of MapResult
+        In the order in which the maps were given.
+    names : tuple of str
+        The features.
+    parameters : ClassifierParameters
+    """
 
     results: tuple[MapResult, ...]
     names: tuple[str, ...]
@@ -151,6 +160,9 @@ def train_on(
 ) -> BorderModel:
     """Train one classifier on the edges of several maps (§2.3.2).
 
+    libsvm's result depends a little on the order of its rows, so the maps are
+    taken in the order of their names, whatever order they are given in.
+
     Raises
     ------
     FormatError
@@ -159,6 +171,7 @@ def train_on(
     """
     if not maps:
         raise FormatError("maps: none to train on, expected at least 1")
+    maps = sorted(maps, key=lambda item: (item.topomap.environment, item.topomap.run))
     names = maps[0].features.names
     values = [item.features.subset(names).values for item in maps]
     is_border = [item.is_border for item in maps]
@@ -260,6 +273,17 @@ def evaluate_room_count(
     parameters : ClassifierParameters, optional
     most_rooms : int
         Gaps beyond this one are not looked at.
+
+    Returns
+    -------
+    tuple of two RoomCountQuality
+        Of the node count regression, and of the eigenvalue gap.
+
+    Raises
+    ------
+    FormatError
+        If the maps come from fewer than two environments, or one has more
+        rooms than ``most_rooms``.
     """
     by_nodes, by_gap = np.zeros(len(maps), int), np.zeros(len(maps), int)
     rooms = [item.room_count for item in maps]

@@ -28,6 +28,7 @@ from roomseg.preprocessing import MapGraph, preprocess
 
 __all__ = [
     "FEATURES",
+    "FROM_IMAGES",
     "SUBSETS",
     "EdgeFeatures",
     "FeatureParameters",
@@ -47,7 +48,8 @@ SUBSETS = {
 }
 """The feature vectors of §3.3 by the paper's names."""
 
-_FROM_IMAGES = frozenset({"passageway", "d_c", "d_s"})
+FROM_IMAGES = frozenset({"passageway", "d_c", "d_s"})
+"""The features that need an image of every node."""
 
 Floats = NDArray[np.float64]
 
@@ -155,7 +157,7 @@ def edge_features(
     columns = {"length": graph.length}
     if "passageway_width" in names:
         columns["passageway_width"] = passageway_widths(topomap, graph.edges, parameters.width)
-    if _FROM_IMAGES & set(names):
+    if FROM_IMAGES & set(names):
         maxima, panoramas = _node_views(map_file, parameters, progress)
         columns["passageway"] = passageway_feature(
             maxima, topomap.nodes, graph.edges, parameters.lintel

@@ -124,10 +124,17 @@ class LintelSearch:
             parameters.max_offset * scale,
         )
 
+    @property
+    def pixels(self) -> Integers:
+        """(row, column) in the image of the m pixels of the search disc, shape (m, 2)."""
+        corner = [part.start for part in self.window]
+        found: Integers = np.argwhere(self.inside) + corner
+        return found
+
 
 def edge_pixels(
     image: NDArray[np.uint8], search: LintelSearch, min_intensity: float
-) -> tuple[Floats, Floats]:
+) -> tuple[Floats, Floats, Integers]:
     """Orientation and offset of the edge pixels in the search disc (Eq. 1, Fig. 10).
 
     Parameters
@@ -143,6 +150,8 @@ def edge_pixels(
         θ = atan2(v2, v1), rad, in [0, π).
     s : array, shape (p,)
         Offset v · (p - c) / |v|, px, in (-s_max, s_max).
+    index : array, shape (p,)
+        Which of the search disc's pixels these are, for ``search.pixels[index]``.
     """
     window = np.ascontiguousarray(image[search.window])
     g_x = cv2.Scharr(window, cv2.CV_64F, 1, 0)[search.inside]
@@ -150,11 +159,11 @@ def edge_pixels(
     sign = np.where((g_y < 0) | ((g_y == 0) & (g_x < 0)), -1.0, 1.0)  # Eq. 1
     v_1, v_2 = sign * g_x, sign * g_y + 0.0  # + 0.0: atan2 of a negative zero would be -π
     intensity = np.hypot(v_1, v_2)
-    strong = (intensity >= min_intensity) & (intensity > 0)
+    strong = np.flatnonzero((intensity >= min_intensity) & (intensity > 0))
     v_1, v_2, intensity = v_1[strong], v_2[strong], intensity[strong]
     s = (v_1 * search.column[strong] + v_2 * search.row[strong]) / intensity
     close = np.abs(s) < search.max_offset
-    return np.arctan2(v_2[close], v_1[close]), s[close]
+    return np.arctan2(v_2[close], v_1[close]), s[close], strong[close]
 
 
 def lintel_histograms(
@@ -200,7 +209,7 @@ def orientation_maxima(
     array, shape (2, N_θ)
         Pixels; the rows are those of `bin_orientations`.
     """
-    theta, s = edge_pixels(image, search, parameters.min_intensity)
+    theta, s, _ = edge_pixels(image, search, parameters.min_intensity)
     histograms = lintel_histograms(theta, s, search.max_offset, parameters)
     best: Integers = histograms.max(axis=(1, 3))
     return best

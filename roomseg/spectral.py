@@ -234,13 +234,16 @@ def _assign(rows: Floats, centres: Floats, labels: Integers, squared: Floats) ->
 
 @_compiled
 def _recentre(rows: Floats, centres: Floats, labels: Integers, squared: Floats) -> None:
-    """Move the centres to their rows' means; an empty cluster takes the farthest row."""
+    """Move the centres to their rows' means; an empty cluster takes the farthest row.
+
+    A row that is alone in its cluster stays there, as in Matlab.
+    """
     counts = np.zeros(centres.shape[0])
     for i in range(rows.shape[0]):
         counts[labels[i]] += 1
     for c in range(centres.shape[0]):
         if counts[c] == 0:
-            farthest = np.argmax(squared)
+            farthest = np.argmax(np.where(counts[labels] > 1, squared, -1.0))
             counts[labels[farthest]] -= 1
             labels[farthest], squared[farthest], counts[c] = c, 0.0, 1
     centres[:] = 0.0

@@ -36,7 +36,7 @@ def reference_names() -> list[str]:
     return sorted(name.removesuffix(".json") for name in names)
 
 
-def load_apartment(source: str | Path) -> Apartment:
+def load_apartment(source: str | Path, *, checked: bool = True) -> Apartment:
     """Read an apartment and check it.
 
     Parameters
@@ -44,6 +44,8 @@ def load_apartment(source: str | Path) -> Apartment:
     source : str or Path
         A file, or the name of a reference place (`reference_names`). A name
         with a path separator or ``.json`` in it is always a file.
+    checked : bool
+        Whether to apply `scenes.checks.check` too.
 
     Raises
     ------
@@ -54,7 +56,7 @@ def load_apartment(source: str | Path) -> Apartment:
     name = str(source)
     if isinstance(source, str) and name in reference_names():
         item = resources.files("scenes").joinpath("reference", f"{name}.json")
-        return apartment_from_json(item.read_text(encoding="utf-8"), origin=name)
+        return apartment_from_json(item.read_text(encoding="utf-8"), origin=name, checked=checked)
     try:
         data = Path(source).read_bytes()
     except FileNotFoundError:
@@ -69,7 +71,7 @@ def load_apartment(source: str | Path) -> Apartment:
     except UnicodeDecodeError as error:
         message = f"{name}: byte {error.start} is not UTF-8; expected a JSON text file"
         raise SceneError(message) from None
-    return apartment_from_json(text, origin=name)
+    return apartment_from_json(text, origin=name, checked=checked)
 
 
 def apartment_from_json(text: str, *, origin: str = "scene", checked: bool = True) -> Apartment:

@@ -24,9 +24,6 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 # From `roomseg.features.SUBSETS`, which is only imported when it is needed.
 SUBSET_NAMES = ("all", "no-camera", "no-pano", "no-ceiling", "no-obst")
 
-FROM_IMAGES = frozenset({"passageway", "d_c", "d_s"})
-"""The features that need an image of every node."""
-
 subset_option = click.option(
     "--features",
     "subset",
@@ -95,7 +92,7 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
 
 def compute(file: MapFile, names: Sequence[str], bar: Progress) -> EdgeFeatures:
     """Compute the edge features of one map; with a line of progress if images are read."""
-    from roomseg.features import edge_features
+    from roomseg.features import FROM_IMAGES, edge_features
 
     if not FROM_IMAGES & set(names):
         return edge_features(file, names)
@@ -109,6 +106,7 @@ def compute(file: MapFile, names: Sequence[str], bar: Progress) -> EdgeFeatures:
 def check_ready(path: Path, names: Sequence[str]) -> None:
     """Refuse a map without the images that features need, and say how to get them."""
     from dataset import MapFile, RoomsegError
+    from roomseg.features import FROM_IMAGES
 
     with MapFile(path) as file:
         n, done = len(file.done), file.image_count

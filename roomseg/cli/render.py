@@ -26,7 +26,7 @@ Example:
     "--preset",
     default="reference",
     show_default=True,
-    help="Render settings: reference, draft (noisier), preview (small).",
+    help="Render settings: reference, draft and quick (noisier), preview (small).",
 )
 @click.option("--limit", type=click.IntRange(1), help="At most so many new images per map.")
 @click.option("--threads", type=click.IntRange(1), help="Threads of the renderer; all if absent.")

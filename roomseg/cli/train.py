@@ -38,17 +38,13 @@ def command(
     """
     import numpy as np
 
-    from dataset.atomic import replacing
     from roomseg.classifier import save_model
     from roomseg.evaluation import train_on
-    from roomseg.model_bytes import make_repeatable
 
     chosen = chosen_parameters(**parameters)
     labelled = labelled_maps(maps, subset)
     model = train_on(labelled, chosen)
-    with replacing(output) as part:
-        save_model(model, part)
-        make_repeatable(part)
+    save_model(model, output)
     is_border = np.concatenate([item.is_border for item in labelled])
     predicted = np.concatenate([model.predict(item.features) for item in labelled])
     edges, borders, found = len(is_border), int(is_border.sum()), int((predicted & is_border).sum())

@@ -1,4 +1,4 @@
-"""``roomseg validate``: everything that is wrong with map files."""
+"""``roomseg validate``: everything that is wrong with maps and apartments."""
 
 from __future__ import annotations
 
@@ -6,30 +6,28 @@ from pathlib import Path
 
 import click
 
-from roomseg.cli.options import json_option, maps_argument
+from roomseg.cli.options import json_option
 from roomseg.cli.output import write_json
 
 EXAMPLE = """\b
 Example:
   roomseg validate maps/*.h5
+  roomseg validate home7.json
 """
 
 
 @click.command("validate", epilog=EXAMPLE)
-@maps_argument
+@click.argument(
+    "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
+)
 @json_option
-def command(*, maps: tuple[Path, ...], json_file: Path | None) -> int:
-    """Tell everything that is wrong with map files.
+def command(*, files: tuple[Path, ...], json_file: Path | None) -> int:
+    """Tell everything that is wrong with map files and apartments (.json).
 
     Prints one line per problem. The exit code is 0 if there is none, 1 if
     there are problems, and 2 if a file cannot be read at all.
     """
-    from dataset import problems
-    from dataset.storage import open_map
-
-    for path in maps:
-        open_map(path).close()
-    problems_of = {str(path): list(problems(path)) for path in maps}
+    problems_of = {str(path): _problems(path) for path in files}
     write_json(json_file, problems_of)
     for name, found in problems_of.items():
         for problem in found:
@@ -37,3 +35,15 @@ def command(*, maps: tuple[Path, ...], json_file: Path | None) -> int:
         if not found:
             click.echo(f"{name}: good")
     return 1 if any(problems_of.values()) else 0
+
+
+def _problems(path: Path) -> list[str]:
+    if path.suffix == ".json":
+        from scenes import check, load_apartment
+
+        return list(check(load_apartment(path, checked=False)))
+    from dataset import problems
+    from dataset.storage import open_map
+
+    open_map(path).close()
+    return list(problems(path))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +39,7 @@ def search_lintel(
     """
     parameters = parameters or LintelParameters()
     search = LintelSearch.of(camera, parameters)
-    theta, s = edge_pixels(image, search, parameters.min_intensity)
+    theta, s, index = edge_pixels(image, search, parameters.min_intensity)
     histograms = lintel_histograms(theta, s, search.max_offset, parameters)
     highest = np.unravel_index(np.argmax(histograms), histograms.shape)
     shift_theta, shift_s = int(highest[0]), int(highest[1])
@@ -52,31 +51,13 @@ def search_lintel(
         node=node,
         image=image,
         camera=camera,
-        pixels=_edge_pixel_positions(image, search, parameters.min_intensity),
+        pixels=search.pixels[index],
         theta=theta,
         histogram=histograms[shift_theta, shift_s],
         directions=(start, start + np.pi),
         offsets=(left, left + histograms.shape[3] * delta_s),
         offset_limit=search.max_offset,
     )
-
-
-def _edge_pixel_positions(
-    image: NDArray[np.uint8], search: LintelSearch, min_intensity: float
-) -> NDArray[np.int64]:
-    """Find (row, column) of the pixels that `edge_pixels` speaks of, in its order.
-
-    The method needs only their direction and offset; where they are is for looking.
-    """
-    window = np.ascontiguousarray(image[search.window])
-    g_x = cv2.Scharr(window, cv2.CV_64F, 1, 0)[search.inside]
-    g_y = cv2.Scharr(window, cv2.CV_64F, 0, 1)[search.inside]
-    intensity = np.hypot(g_x, g_y)
-    along = np.abs(g_x * search.column + g_y * search.row)
-    shown = (intensity >= min_intensity) & (along < search.max_offset * intensity)
-    corner = [part.start for part in search.window]
-    found: NDArray[np.int64] = (np.argwhere(search.inside) + corner)[shown]
-    return found
 
 
 def measure_passage(

@@ -202,6 +202,27 @@ def test_map_without_images(map_path):
 
 
 @pytest.mark.parametrize(
+    ("part", "field", "value", "message"),
+    [
+        ("nodes", "part", np.full(8, -1), "nodes/part: -1, expected >= 0"),
+        ("nodes", "lane", np.full(8, -2), "nodes/lane: -2, expected >= 0"),
+        ("visits", "node", np.full(10, 8), r"visits/node: node index 8, expected 0\.\.7"),
+        ("visits", "node", np.full(10, -1), r"visits/node: node index -1, expected 0\.\.7"),
+    ],
+)
+def test_impossible_indices_are_refused(topomap, part, field, value, message):
+    with pytest.raises(FormatError, match=message):
+        dataclasses.replace(
+            topomap, **{part: dataclasses.replace(getattr(topomap, part), **{field: value})}
+        )
+
+
+def test_impossible_edge_is_named(topomap):
+    with pytest.raises(FormatError, match=r"edges: node index -1, expected 0\.\.7"):
+        dataclasses.replace(topomap, edges=np.array([[-1, 2]]), ground_truth=None)
+
+
+@pytest.mark.parametrize(
     ("images", "message"),
     [
         (np.zeros((8, 16, 15), np.uint8), r"an image of uint8 \(16, 15\), expected uint8 \(16, 16"),

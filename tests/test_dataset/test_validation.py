@@ -81,6 +81,11 @@ def scene_frame_without_poses(file):
     del file["nodes/true_pose"]
 
 
+def no_rooms_and_no_labels(file):
+    del file["ground_truth/room"]
+    file["ground_truth"].attrs["room_count"] = 0
+
+
 CASES = {
     "missing array": (remove("edges"), "/edges: missing"),
     "missing group": (
@@ -116,6 +121,14 @@ CASES = {
     "infinite": (
         change("obstacles/time", 1, np.inf),
         "/obstacles/time: inf at (1,), expected finite numbers",
+    ),
+    "part below zero": (
+        change("nodes/part", 5, -1),
+        "/nodes/part: node 5 has -1, expected >= 0",
+    ),
+    "lane below zero": (
+        change("nodes/lane", 2, -2),
+        "/nodes/lane: node 2 has -2, expected >= 0",
     ),
     "edge to nowhere": (
         change("edges", (9, 1), 8),
@@ -220,6 +233,10 @@ CASES = {
     ),
     "no rooms at all": (
         attribute("ground_truth", "room_count", 0),
+        "attribute room_count of /ground_truth: 0, expected >= 1",
+    ),
+    "no rooms at all, not labelled": (
+        no_rooms_and_no_labels,
         "attribute room_count of /ground_truth: 0, expected >= 1",
     ),
     "more rooms than labels": (

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+from render import libraries
 from render.libraries import DEBIAN_PACKAGES, MissingLibraryError, explain, load_bpy, main
 
 
@@ -15,11 +16,21 @@ from render.libraries import DEBIAN_PACKAGES, MissingLibraryError, explain, load
     ("file", "package"),
     [("libXi.so.6", "libxi6"), ("libGL.so.1", "libgl1"), ("libxkbcommon.so.0", "libxkbcommon0")],
 )
-def test_the_missing_file_and_its_package_are_named(file: str, package: str) -> None:
+def test_the_missing_file_and_its_package_are_named(
+    file: str, package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(libraries, "find_library", lambda name: f"lib{name}.so")
     line = explain(ImportError(f"{file}: cannot open shared object file: No such file"))
     assert file in line
     assert line.endswith(f"apt-get install {package}")
     assert "\n" not in line
+
+
+def test_all_missing_packages_are_named_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    there = {"X11", "Xrender", "Xi", "xkbcommon", "SM", "ICE"}
+    monkeypatch.setattr(libraries, "find_library", lambda name: name if name in there else None)
+    line = explain(ImportError("libXfixes.so.3: cannot open shared object file"))
+    assert line.endswith("apt-get install libxfixes3 libgl1")
 
 
 def test_an_unknown_library_names_all_packages() -> None:

@@ -20,6 +20,7 @@ from click.testing import CliRunner
 from dataset import FisheyeCamera, write_map
 from roomseg.cli import main as command_line
 from roomseg.cli.main import COMMANDS, cli, main
+from scenes import apartment_to_json, load_apartment
 
 NAMES = list(COMMANDS)
 
@@ -361,3 +362,16 @@ def test_full_disk_is_one_line(monkeypatch, folder, capsys):
 
     monkeypatch.setattr(inspect.command, "callback", fail)
     assert refused(capsys, "inspect", "flat.h5") == "flat.h5: No space left on device"
+
+
+def test_every_problem_of_an_apartment_is_told(folder):
+    place = json.loads(apartment_to_json(load_apartment("demo1")))
+    place["passages"][0]["position"] = [-3.0, 0.5]
+    place["passages"][1]["position"] = [-4.0, 0.5]
+    Path("home.json").write_text(json.dumps(place))
+    result = run("validate", "home.json")
+    assert result.returncode == 1
+    lines = result.stdout.splitlines()
+    assert all(line.startswith("home.json: ") for line in lines)
+    assert any("passages[0]" in line for line in lines)
+    assert any("passages[1]" in line for line in lines)

@@ -280,7 +280,7 @@ def test_edge_pixels_are_where_the_method_found_them(ax):
     image = fisheye_image(camera, seed=1)
     view = search_lintel(1, image, camera)
     search = LintelSearch.of(camera, parameters)
-    theta, s = edge_pixels(image, search, parameters.min_intensity)
+    theta, s, _ = edge_pixels(image, search, parameters.min_intensity)
     assert len(view.pixels) == len(theta) > 50
     assert_array_equal(view.theta, theta)
     offset = view.pixels[:, ::-1] + 0.5 - np.array(camera.disc_centre[::-1])

@@ -59,7 +59,7 @@ def test_everything_scales_with_the_disc() -> None:
 @pytest.mark.parametrize("theta", np.radians([10, 45, 95, 160]))
 @pytest.mark.parametrize("s", [-15.0, 0.0, 6.5, 20.0])
 def test_pixels_of_a_line_have_its_orientation_and_offset(theta: float, s: float) -> None:
-    angles, offsets = edge_pixels(line_image(theta, s), SEARCH, 400)
+    angles, offsets, _ = edge_pixels(line_image(theta, s), SEARCH, 400)
     assert len(angles) > 100
     assert angles == pytest.approx(np.full(len(angles), theta), abs=0.06)
     assert np.mean(offsets) == pytest.approx(s, abs=0.3)
@@ -68,7 +68,7 @@ def test_pixels_of_a_line_have_its_orientation_and_offset(theta: float, s: float
 @pytest.mark.parametrize("theta", np.radians([10, 45, 95, 160]))
 @pytest.mark.parametrize("s", [-15.0, 0.0, 6.5, 20.0])
 def test_highest_bin_is_that_of_the_line(theta: float, s: float) -> None:
-    angles, offsets = edge_pixels(line_image(theta, s), SEARCH, PAPER.min_intensity)
+    angles, offsets, _ = edge_pixels(line_image(theta, s), SEARCH, PAPER.min_intensity)
     histograms = lintel_histograms(angles, offsets, SEARCH.max_offset, PAPER)
     shift, shift_s, i, j = np.unravel_index(histograms.argmax(), histograms.shape)
     delta_s = 2 * 23.0 / 17

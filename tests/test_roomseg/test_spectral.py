@@ -9,6 +9,7 @@ from sklearn.cluster import KMeans
 from sklearn.metrics import adjusted_rand_score
 
 from roomseg.spectral import (
+    _recentre,
     adjacency,
     cluster_rows,
     embedding,
@@ -192,6 +193,14 @@ def test_more_repetitions_are_never_worse() -> None:
 def test_same_generator_same_labels() -> None:
     rows = blobs(2)[0]
     assert (cluster_rows(rows, 6, rng(5)) == cluster_rows(rows, 6, rng(5))).all()
+
+
+def test_an_empty_cluster_takes_no_row_that_is_a_cluster_of_its_own() -> None:
+    rows = np.array([[0.0], [1.0], [10.0]])
+    centres, labels = np.zeros((3, 1)), np.array([1, 1, 0])
+    _recentre(rows, centres, labels, np.array([0.2, 0.1, 5.0]))
+    assert labels.tolist() == [2, 1, 0]
+    assert centres.tolist() == [[10.0], [1.0], [0.0]]
 
 
 def test_duplicate_rows_still_fill_every_cluster() -> None:
