@@ -19,8 +19,8 @@ import click
 
 from roomseg.cli.features import labelled_maps
 from roomseg.cli.output import write_table
-from roomseg.fidelity import edge_statistics, feature_statistics
 from roomseg.report import Comparison
+from roomseg.report.fidelity import edge_statistics, feature_statistics
 
 PLACES = ("sim3", "sim4", "real3")
 

@@ -36,6 +36,7 @@ def command(ctx: click.Context, *, output: Path, preset: str, seed: int) -> None
     other two. Maps and images that are there are kept, so that a stopped demo
     goes on where it was.
     """
+    from dataset import write_rooms
     from roomseg.cli import render, simulate
     from roomseg.cli.features import labelled_maps
     from roomseg.cli.reporting import assemble
@@ -48,6 +49,9 @@ def command(ctx: click.Context, *, output: Path, preset: str, seed: int) -> None
     ctx.invoke(render.command, maps=maps, preset=preset)
     labelled = labelled_maps(maps, "all")
     evaluation = leave_one_environment_out(labelled, seed=seed)
+    for path, item, result in zip(maps, labelled, evaluation.results, strict=True):
+        name = "the other places' classifier"
+        write_rooms(path, result.labels, model=name, rooms=item.room_count)
     with progress_bar("figures") as bar:
         task = bar.add_task("report", total=None)
         page = write_report(assemble(maps, labelled, evaluation), output / "report")

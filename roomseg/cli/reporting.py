@@ -16,7 +16,6 @@ from shapely import Polygon
 from dataset import MapFile
 from roomseg.evaluation import Evaluation, LabelledMap
 from roomseg.evaluation import MapResult as Judged
-from roomseg.fidelity import edge_statistics, feature_statistics, roc_curves
 from roomseg.report import (
     Fact,
     LintelView,
@@ -26,6 +25,7 @@ from roomseg.report import (
     search_lintel,
     take_snapshot,
 )
+from roomseg.report.fidelity import edge_statistics, feature_statistics, roc_curves
 from scenes import apartment_from_json, floor_region, obstacles
 
 if TYPE_CHECKING:

@@ -46,6 +46,10 @@ def ints(*shape: int) -> st.SearchStrategy[np.ndarray]:
     return stn.arrays(np.int32, shape, elements=integers)
 
 
+def indices(count: int, most: int = 2**31 - 1) -> st.SearchStrategy[np.ndarray]:
+    return stn.arrays(np.int32, count, elements=st.integers(0, most))
+
+
 @st.composite
 def maps(draw: st.DrawFn) -> TopoMap:
     n, v, k, t, b = (draw(st.integers(low, 6)) for low in (1, 0, 0, 0, 0))
@@ -75,12 +79,12 @@ def maps(draw: st.DrawFn) -> TopoMap:
         nodes=Nodes(
             draw(floats(n, 2)),
             draw(floats(n)),
-            draw(ints(n)),
-            draw(ints(n)),
+            draw(indices(n)),
+            draw(indices(n)),
             draw(st.none() | floats(n, 3)),
         ),
         edges=edges,
-        visits=Visits(draw(ints(v)), draw(floats(v))),
+        visits=Visits(draw(indices(v, n - 1)), draw(floats(v))),
         obstacles=Obstacles(draw(floats(k, 2)), draw(floats(k)), draw(stn.arrays(np.uint8, k))),
         robot_radius=draw(st.floats(0.01, 1.0)),
         path=draw(
