@@ -1,11 +1,11 @@
 """Does our world resemble the paper's? Table 1 and Table 3 beside the paper's figures.
 
 Simulates one run in each reference place, renders every image at full size
-(464-pixel disc, 4 samples per pixel, denoised), computes the edge features, and
+(464-pixel disc; by default 2 samples per pixel, denoised), computes the edge features, and
 prints the statistics over all maps together beside the paper's value and the
 accepted range. Finished maps and images are kept; stop and start at will.
 
-    python benchmarks/fidelity.py -o out/fidelity
+    python benchmarks/fidelity.py -o out/fidelity               # about 45 minutes on two cores
     python benchmarks/fidelity.py -o out/fidelity --no-images   # Table 1 only, in a minute
 """
 
@@ -48,14 +48,15 @@ def show(comparison: Comparison) -> None:
 
 @click.command()
 @click.option("-o", "--output", type=click.Path(path_type=Path), default="out/fidelity")
+@click.option("--preset", default="quick", show_default=True, help="Render settings.")
 @click.option("--no-images", is_flag=True, help="Only what needs no images.")
 @click.option("--seed", default=0, show_default=True)
-def main(output: Path, no_images: bool, seed: int) -> None:
+def main(output: Path, preset: str, no_images: bool, seed: int) -> None:
     maps = [output / f"{place}-run1.h5" for place in PLACES]
     for place in PLACES:
         roomseg("simulate", place, "--seed", str(seed), "-o", str(output))
     if not no_images:
-        roomseg("render", *map(str, maps), "--preset", "draft")
+        roomseg("render", *map(str, maps), "--preset", preset)
     labelled = labelled_maps(maps, "no-camera" if no_images else "all")
     show(edge_statistics(labelled))
     show(feature_statistics(labelled))

@@ -90,7 +90,9 @@ class RenderProcess:
     def __init__(self, job: Job) -> None:
         self._size = job.camera.image_size
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  (closed by _end)
-        self._child = _start(self._log)
+        # Blender leaves its folder for temporary files behind when it is killed or cut short.
+        self._folder = tempfile.TemporaryDirectory(prefix="roomseg-render-")
+        self._child = _start(self._log, self._folder.name)
         try:
             self._send(job.to_json())
             self.device = str(self._receive()[0]["device"])
@@ -135,7 +137,8 @@ class RenderProcess:
         for here, index in enumerate(indices):
             for ahead in indices[here + 1 : here + 2]:
                 self._ask(ahead, poses)
-            _, data = self._receive()
+            head, data = self._receive()
+            assert head["index"] == index
             yield index, np.frombuffer(data, dtype="<f4").reshape(self._size)
 
     def _ask(self, index: int, poses: NDArray[np.float64]) -> None:
@@ -184,17 +187,19 @@ class RenderProcess:
             self._child.wait()
         self._child.stdout.close()
         self._log.close()
+        self._folder.cleanup()
 
 
-def _start(log: IO[bytes]) -> subprocess.Popen[bytes]:
+def _start(log: IO[bytes], folder: str) -> subprocess.Popen[bytes]:
     """Start the child in a session of its own, so that Ctrl-C reaches only the caller."""
     root = str(Path(__file__).resolve().parent.parent)
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
     return subprocess.Popen(
-        [sys.executable, "-m", "render.worker"],
+        # -P: a dataset.py or render.py in the working directory is not ours.
+        [sys.executable, "-P", "-m", "render.worker"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=log,
-        env={**os.environ, "PYTHONPATH": path},
+        env={**os.environ, "PYTHONPATH": path, "TMPDIR": folder},
         start_new_session=True,
     )

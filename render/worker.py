@@ -7,7 +7,8 @@ renders, and ends without the interpreter's shutdown.
 Requests come as lines of JSON on standard input: first the job, then one line per
 frame. Answers go to the original standard output: a line of JSON, followed by the
 frame's float32 pixels. Blender's own chatter is kept out of it by pointing file
-descriptor 1 elsewhere. The end of the input ends the process.
+descriptor 1 elsewhere. The end of the input ends the process at once, also in the
+middle of a frame: the caller has gone, be it by SIGKILL.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ from __future__ import annotations
 import json
 import os
 import sys
+import traceback
+from queue import SimpleQueue
+from threading import Thread
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -44,12 +48,21 @@ def _answer(channel: BinaryIO, head: dict[str, Any], data: bytes = b"") -> None:
     channel.flush()
 
 
-def _serve(channel: BinaryIO) -> None:
-    """Answer the job, then every frame asked for, until the input ends."""
-    source, device = _prepare(sys.stdin.readline())
-    _answer(channel, {"device": device})
+def _read(lines: SimpleQueue[str]) -> None:
+    """Hand on what is asked for; end the process when the input does."""
     for line in sys.stdin:
-        request = json.loads(line)
+        lines.put(line)
+    os._exit(0)
+
+
+def _serve(channel: BinaryIO) -> None:
+    """Answer the job, then every frame asked for; `_read` ends this."""
+    lines: SimpleQueue[str] = SimpleQueue()
+    Thread(target=_read, args=(lines,), daemon=True).start()
+    source, device = _prepare(lines.get())
+    _answer(channel, {"device": device})
+    while True:
+        request = json.loads(lines.get())
         pose, index = np.array(request["pose"]), request["index"]
         radiance = source.radiance(pose, index)
         _answer(channel, {"index": index}, radiance.astype("<f4").tobytes())
@@ -59,16 +72,16 @@ def main() -> None:
     """Serve one job; leaves the process without the interpreter's shutdown."""
     channel = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    status = 0
     try:
-        _serve(channel)
-    except (RoomsegError, SceneError) as error:
-        _answer(channel, {"error": str(error)})
-        status = 2
-    except BrokenPipeError:
-        status = 1
+        try:
+            _serve(channel)
+        except (RoomsegError, SceneError) as error:
+            _answer(channel, {"error": str(error)})
+    except BaseException:
+        # A shutdown that hangs would keep the caller waiting for the reason, too.
+        traceback.print_exc()
     sys.stderr.flush()
-    os._exit(status)
+    os._exit(1)
 
 
 if __name__ == "__main__":

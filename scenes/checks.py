@@ -18,13 +18,9 @@ from shapely import Polygon
 from scenes.apartment import Apartment, Piece
 from scenes.lamps import BODY_HEIGHT, lamp_underside
 from scenes.materials import BUILT_IN
-from scenes.passages import free_region
+from scenes.passages import ROBOT_RADIUS, free_region
 from scenes.pieces import KINDS, piece_parts
-from scenes.solids import (
-    Prism,
-    floor_region,
-    polygons,
-)
+from scenes.solids import Prism, floor_region, polygons
 from scenes.wall_checks import (
     check_covered_floor,
     check_enclosure,
@@ -37,9 +33,6 @@ from scenes.wall_checks import (
 )
 
 __all__ = ["check"]
-
-ROBOT_RADIUS = 0.15
-"""Radius of the robot that must be able to start and to enter every room, m (§2.1)."""
 
 
 def check(apartment: Apartment) -> Iterator[str]:

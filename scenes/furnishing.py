@@ -18,6 +18,7 @@ import shapely
 from shapely import Polygon
 
 from scenes.apartment import Piece, RoomKind
+from scenes.passages import ROBOT_RADIUS
 
 __all__ = ["Site", "furnish", "ways"]
 
@@ -25,8 +26,6 @@ WAY = 0.5
 """Clear width that must remain from doorway to doorway and to most of the room, m."""
 DRIVEN = 0.46
 """Share of the floor for the robot's centre at which filling stops; tables count as solid here."""
-RADIUS = 0.15
-"""Robot radius, m (§2.1)."""
 TRIES = 40
 
 
@@ -69,7 +68,7 @@ def furnish(rng: np.random.Generator, site: Site) -> tuple[Piece, ...]:
     for item in _needs(rng, site):
         _add(rng, site, item, pieces, taken)
     for item in _fillers(rng, site):
-        if ways(site, taken, RADIUS).area <= DRIVEN * _room(site).area:
+        if ways(site, taken, ROBOT_RADIUS).area <= DRIVEN * _room(site).area:
             break
         _add(rng, site, item, pieces, taken)
     fittings = (*_over(site, pieces), *_radiators(site, taken), *_pictures(rng, site, taken))

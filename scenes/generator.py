@@ -21,7 +21,7 @@ from scenes.errors import SceneError
 from scenes.floorplan import INNER, OUTER, Door, FloorPlan, draw_plan
 from scenes.furnishing import Site, furnish
 from scenes.palettes import Contrast, Palette, Source, draw_lighting, draw_palette
-from scenes.passages import free_region
+from scenes.passages import ROBOT_RADIUS, free_region
 
 __all__ = ["generate_apartment"]
 
@@ -29,7 +29,6 @@ ATTEMPTS = 1000
 MAX_ROOMS = 12
 AREA_PER_ROOM = (5.0, 30.0)
 """Clear floor area per room that may be asked for, m²; below 9 not every plan is found."""
-ROBOT_RADIUS = 0.15
 LEAST_DRIVEN = 0.25
 """Floor that the robot's centre must have in every room, m²."""
 

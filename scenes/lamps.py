@@ -14,7 +14,7 @@ from shapely import Polygon
 
 from scenes.apartment import Apartment, Lamp
 from scenes.materials import LAMP_PREFIX
-from scenes.parts import Part
+from scenes.parts import Part, Span, disc
 
 __all__ = ["BODY_HEIGHT", "lamp_parts", "lamp_underside"]
 
@@ -59,9 +59,5 @@ def lamp_parts(apartment: Apartment, index: int) -> Iterator[Part]:
         yield _disc(lamp, 0.05, (max(0.0, low - 0.2), low), CARRIER, 10)
 
 
-def _disc(
-    lamp: Lamp, radius: float, heights: tuple[float, float], material: str, corners: int
-) -> Part:
-    angle = (np.arange(corners) + 0.5) * 2.0 * np.pi / corners
-    ring = np.array(lamp.position) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    return Part(Polygon(ring), *heights, material)
+def _disc(lamp: Lamp, radius: float, heights: Span, material: str, corners: int) -> Part:
+    return disc(lamp.position, (radius, radius), heights, material, corners)

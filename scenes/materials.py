@@ -10,15 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from scenes.apartment import Apartment, Material
+from scenes.apartment import Apartment, Colour, Material
 from scenes.errors import SceneError
 
 __all__ = ["BUILT_IN", "LAMP_PREFIX", "resolve"]
 
 LAMP_PREFIX = "lamp:"
 """Glowing bodies have the material ``lamp:INDEX`` of ``apartment.lamps[INDEX]``."""
-
-Colour = tuple[float, float, float]
 
 
 def _plain(colour: Colour, roughness: float = 0.6) -> Material:

@@ -14,13 +14,12 @@ from typing import Literal
 
 import numpy as np
 
-from scenes.apartment import Frame, Lighting, Material, RoomKind
+from scenes.apartment import Colour, Frame, Lighting, Material, RoomKind
 
 __all__ = ["Contrast", "Palette", "Source", "draw_lighting", "draw_palette"]
 
 Contrast = Literal["low", "medium", "high"]
 Source = Literal["interior", "exterior", "mixed"]
-Colour = tuple[float, float, float]
 
 WET = ("bathroom", "kitchen", "storage")
 DRY_FLOORS = ("parquet", "parquet_dark", "planks", "planks_grey", "laminate", "carpet_beige")

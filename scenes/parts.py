@@ -9,12 +9,13 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-__all__ = ["LEG", "Part", "Parts", "box", "disc", "legs"]
+__all__ = ["LEG", "Part", "Parts", "Span", "box", "disc", "legs"]
 
 LEG = 0.05
 """Thickness of an ordinary leg, m."""
 
 Span = tuple[float, float]
+"""From, to, m."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,14 @@ class Part:
 Parts = Iterator[Part]
 
 
-def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], slot: str) -> Part:
-    """An upright block; ValueError where the piece is too small for it."""
+def box(x: Span, y: Span, z: Span, slot: str) -> Part:
+    """An upright block.
+
+    Raises
+    ------
+    ValueError
+        If it has no extent along an axis: the piece is too small for it.
+    """
     for name, (low, high) in zip("xyz", (x, y, z), strict=True):
         if not high - low > 1e-6:
             raise ValueError(f"no room for its {slot} along {name}")
@@ -41,11 +48,17 @@ def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], 
 def disc(
     centre: tuple[float, float],
     radii: tuple[float, float],
-    z: tuple[float, float],
+    z: Span,
     slot: str,
     corners: int = 16,
 ) -> Part:
-    """An upright elliptic cylinder as a polygon of that many corners."""
+    """An upright elliptic cylinder (m) as a polygon of that many corners.
+
+    Raises
+    ------
+    ValueError
+        If it has no radius or no height: the piece is too small for it.
+    """
     if not (min(radii) > 0.0 and z[1] - z[0] > 1e-6):
         raise ValueError(f"no room for its {slot}")
     angle = (np.arange(corners) + 0.5) * 2.0 * np.pi / corners

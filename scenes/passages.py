@@ -19,9 +19,18 @@ from scenes.errors import SceneError
 from scenes.openings import passage_depth, place
 from scenes.solids import floor_region, obstacles, passage_rooms, polygons
 
-__all__ = ["free_region", "passage_rooms", "reachable_positions", "room_borders"]
+__all__ = [
+    "ROBOT_RADIUS",
+    "free_region",
+    "passage_rooms",
+    "reachable_positions",
+    "room_borders",
+]
 
 Floats = NDArray[np.float64]
+
+ROBOT_RADIUS = 0.15
+"""Radius of the robot that must be able to start and to enter every room, m (§2)."""
 
 
 def room_borders(
@@ -61,7 +70,7 @@ def free_region(apartment: Apartment, radius: float) -> shapely.Geometry:
 
 
 def reachable_positions(
-    apartment: Apartment, radius: float = 0.15, spacing: float = 0.05
+    apartment: Apartment, radius: float = ROBOT_RADIUS, spacing: float = 0.05
 ) -> Floats:
     """Grid points that the robot's centre can reach from the start.
 

@@ -116,18 +116,19 @@ def save_apartment(apartment: Apartment, path: str | Path) -> None:
         If the file cannot be written.
     """
     target = Path(path)
-    temporary = None
     try:
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(apartment_to_json(apartment))
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(target)
-    except OSError as error:
-        if temporary is not None:
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+                file.write(apartment_to_json(apartment))
+                file.flush()
+                os.fsync(file.fileno())
+            Path(temporary).chmod(0o644)
+            Path(temporary).replace(target)
+        finally:
+            # Gone already if all went well; not so after an error or Ctrl-C.
             Path(temporary).unlink(missing_ok=True)
+    except OSError as error:
         raise SceneError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 

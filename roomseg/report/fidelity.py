@@ -64,6 +64,7 @@ def edge_statistics(maps: Sequence[LabelledMap]) -> Comparison:
             Measure("largest L, m", width.largest, 4.4, (3.5, 5.0), 2),
             Measure("P(border | L < 0.5 m)", width.border_given_narrow, 0.005, (0.0, 0.015)),
         ),
+        note="The accepted ranges are for whole homes; a tiny flat has more door per floor.",
     )
 
 
