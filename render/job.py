@@ -13,8 +13,6 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
 from dataset.journal import FrameJournal
@@ -26,6 +24,8 @@ from render.exposure import expose
 from render.presets import Preset
 from render.process import Job, RenderProcess
 from scenes.apartment import Apartment
+from scenes.errors import SceneError
+from scenes.storage import apartment_from_json
 
 __all__ = ["render_map"]
 
@@ -127,8 +127,6 @@ def _apartment(path: str | Path, topomap: TopoMap) -> Apartment:
     if topomap.nodes.true_pose is None:
         raise FormatError(f"{path}: /nodes/true_pose: missing, only simulated maps can be rendered")
     try:
-        return Apartment.model_validate_json(topomap.scene)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise FormatError(f"{path}: /scene: {where}: {first['msg']}") from error
+        return apartment_from_json(topomap.scene, origin=f"{path}: /scene")
+    except SceneError as error:
+        raise FormatError(str(error)) from error

@@ -90,14 +90,12 @@ class RenderProcess:
     def __init__(self, job: Job) -> None:
         self._size = job.camera.image_size
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  (closed by _end)
-        # Blender leaves its folder for temporary files behind when it is killed or cut short.
-        self._folder = tempfile.TemporaryDirectory(prefix="roomseg-render-")
-        self._child = _start(self._log, self._folder.name)
+        self._child = _start(self._log)
         try:
             self._send(job.to_json())
             self.device = str(self._receive()[0]["device"])
         except BaseException:
-            self._end(at_once=True)
+            self._end()
             raise
 
     def __enter__(self) -> RenderProcess:
@@ -109,7 +107,7 @@ class RenderProcess:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._end(at_once=error is not None)
+        self._end()
 
     def frames(
         self, indices: list[int], poses: NDArray[np.float64]
@@ -173,11 +171,9 @@ class RenderProcess:
         lines = self._log.read().decode(errors="replace").strip().splitlines()
         return f"Blender: the rendering process ended with {status}: {' '.join(lines[-1:])}"
 
-    def _end(self, at_once: bool) -> None:
-        """Let the child end by closing its input; kill it if it does not, or ``at_once``."""
+    def _end(self) -> None:
+        """End the child by closing its input; kill it if it does not end."""
         assert self._child.stdin is not None and self._child.stdout is not None
-        if at_once:
-            self._child.kill()
         with suppress(BrokenPipeError):
             self._child.stdin.close()
         try:
@@ -187,10 +183,9 @@ class RenderProcess:
             self._child.wait()
         self._child.stdout.close()
         self._log.close()
-        self._folder.cleanup()
 
 
-def _start(log: IO[bytes], folder: str) -> subprocess.Popen[bytes]:
+def _start(log: IO[bytes]) -> subprocess.Popen[bytes]:
     """Start the child in a session of its own, so that Ctrl-C reaches only the caller."""
     root = str(Path(__file__).resolve().parent.parent)
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
@@ -200,6 +195,6 @@ def _start(log: IO[bytes], folder: str) -> subprocess.Popen[bytes]:
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=log,
-        env={**os.environ, "PYTHONPATH": path, "TMPDIR": folder},
+        env={**os.environ, "PYTHONPATH": path},
         start_new_session=True,
     )

@@ -15,11 +15,13 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
+import tempfile
 import traceback
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 
@@ -48,17 +50,22 @@ def _answer(channel: BinaryIO, head: dict[str, Any], data: bytes = b"") -> None:
     channel.flush()
 
 
-def _read(lines: SimpleQueue[str]) -> None:
+def _leave(folder: str, status: int) -> NoReturn:
+    """End the process at once, but for what Blender keeps in ``folder``."""
+    shutil.rmtree(folder, ignore_errors=True)
+    sys.stderr.flush()
+    os._exit(status)
+
+
+def _read(lines: SimpleQueue[str], folder: str) -> None:
     """Hand on what is asked for; end the process when the input does."""
     for line in sys.stdin:
         lines.put(line)
-    os._exit(0)
+    _leave(folder, 0)
 
 
-def _serve(channel: BinaryIO) -> None:
+def _serve(channel: BinaryIO, lines: SimpleQueue[str]) -> None:
     """Answer the job, then every frame asked for; `_read` ends this."""
-    lines: SimpleQueue[str] = SimpleQueue()
-    Thread(target=_read, args=(lines,), daemon=True).start()
     source, device = _prepare(lines.get())
     _answer(channel, {"device": device})
     while True:
@@ -72,16 +79,18 @@ def main() -> None:
     """Serve one job; leaves the process without the interpreter's shutdown."""
     channel = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
+    folder = os.environ["TMPDIR"] = tempfile.mkdtemp(prefix="roomseg-render-")
+    lines: SimpleQueue[str] = SimpleQueue()
+    Thread(target=_read, args=(lines, folder), daemon=True).start()
     try:
         try:
-            _serve(channel)
+            _serve(channel, lines)
         except (RoomsegError, SceneError) as error:
             _answer(channel, {"error": str(error)})
     except BaseException:
         # A shutdown that hangs would keep the caller waiting for the reason, too.
         traceback.print_exc()
-    sys.stderr.flush()
-    os._exit(1)
+    _leave(folder, 1)
 
 
 if __name__ == "__main__":

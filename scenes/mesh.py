@@ -50,15 +50,15 @@ class _Shell:
     outlook: Floats
 
 
-def apartment_mesh(apartment: Apartment, solids: Sequence[Prism] | None = None) -> Mesh:
-    """Triangles of all solids of an apartment (or of the ``solids`` given).
+def apartment_mesh(apartment: Apartment) -> Mesh:
+    """Triangles of all solids of an apartment.
 
     Raises
     ------
     KeyError, ValueError
         As `scenes.solids.apartment_solids`.
     """
-    prisms = apartment_solids(apartment) if solids is None else list(solids)
+    prisms = apartment_solids(apartment)
     corners = shapely.points([xy for room in apartment.rooms for xy in room.polygon])
     shells = [
         _shell(

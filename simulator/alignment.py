@@ -10,7 +10,9 @@ __all__ = ["wall_heading"]
 Floats = NDArray[np.float64]
 
 _APART = (0.08, 0.6)
+"""Distance of the two points of a pair, m."""
 _WIDTH = np.radians(3.0)
+"""Half the width of the window of directions, rad."""
 
 
 def wall_heading(points: Floats, heading: float) -> float:

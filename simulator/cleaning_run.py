@@ -58,10 +58,16 @@ def simulate(
     progress : callable, optional
         Called with (nodes, simulated seconds) after every lane.
 
+    Returns
+    -------
+    TopoMap
+        With ground truth, driven path and scene; without images.
+
     Raises
     ------
     RoomsegError
-        If the base does not fit where it is put.
+        If the base does not fit where it is put, or the run is not done within
+        ``robot.time_limit``.
     """
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
     world = World(obstacles(apartment, low=_FLOOR_GAP, high=robot.height))

@@ -19,8 +19,11 @@ __all__ = ["plan_detour"]
 Floats = NDArray[np.float64]
 
 _MARGIN = 1.2
+"""The way may lead so far around start and goal, m."""
 _COMFORT = 0.25
+"""A cell nearer to an obstacle than this, m, costs more, ..."""
 _PENALTY = 15.0
+"""... by this for each metre that is lacking, beside 1 for the cell."""
 
 
 def plan_detour(grid: GridMap, start: Floats, goal: Floats, clearance: float) -> Floats:

@@ -27,7 +27,9 @@ __all__ = ["Entrance", "Frontier", "find_frontiers", "free_run", "propose_entran
 Floats = NDArray[np.float64]
 
 _STEP = 0.05
+"""Spacing of the places that are looked at along a free run, m."""
 _RUN_LIMIT = 4.0
+"""No run is looked at further than this, m."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,11 @@ class Entrance:
 def find_frontiers(
     grid: GridMap, nodes: Floats, tried: Floats, spec: RobotSpec, clearance: float
 ) -> list[Frontier]:
-    """Uncovered components worth a part, as seen from the nodes (n, 2)."""
+    """Uncovered components worth a part, as seen from the nodes (n, 2), m.
+
+    What is within 0.1 m of a place in ``tried`` (t, 2), m, is left out; the
+    centre needs ``clearance`` m to known obstacles.
+    """
     cells = np.argwhere(grid.open_cells(clearance))
     points = grid.centres(cells)
     tree = cKDTree(nodes)
@@ -96,7 +102,14 @@ def free_run(
 
     Parameters
     ----------
+    nodes : array, shape (n, 2)
+        What covers the floor, m; n = 0 leaves all uncovered.
     points : array, shape (m, 2)
+        m.
+    heading : float
+        rad.
+    clearance : float
+        That the centre needs to known obstacles, m.
 
     Returns
     -------

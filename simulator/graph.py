@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import dijkstra
 
 __all__ = ["MapGraph"]
 
@@ -106,12 +106,12 @@ class MapGraph:
         return csr_array((length, (a, b)), shape=(n, n))
 
     def routes(self, start: int) -> tuple[Floats, Ints]:
-        """Dijkstra from ``start``: path length to every node, m, and predecessors."""
+        """Dijkstra from ``start``: path length, m, to every node, and predecessors, (n,) each.
+
+        A node without a path has the length ``inf``; it and ``start`` have a
+        negative predecessor.
+        """
         length, previous = dijkstra(
             self.weights(), directed=False, indices=start, return_predecessors=True
         )
         return np.asarray(length), np.asarray(previous)
-
-    def is_connected(self) -> bool:
-        """Whether every node can be reached over edges."""
-        return bool(connected_components(self.weights(), directed=False)[0] <= 1)

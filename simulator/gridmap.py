@@ -26,10 +26,13 @@ _BLOCK = 128
 """The grid grows by this many cells."""
 
 _HIT, _PASS, _CONTACT = 2, 1, 8
+"""What a laser point, a beam that passes and a contact add to or take from a cell's evidence."""
 _LOW, _HIGH, _BLOCKED = -2, 8, 2
+"""Limits of the evidence, and from where on a cell may count as an obstacle."""
 _RIM = 0.03
 """The rim of the body's disc says nothing: what it touches is an obstacle, m."""
 _SUPPORT = (7, 7)
+"""Cells in which a second point must support the first."""
 _SHY = 0.06
 """A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
 

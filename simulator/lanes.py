@@ -23,6 +23,7 @@ __all__ = ["Lane", "LaneDriver"]
 Floats = NDArray[np.float64]
 
 _FAR = 100.0
+"""Longer than any lane, m."""
 _DODGE = 0.03
 """A lane may be pushed aside that far by glancing contacts, m."""
 

@@ -21,13 +21,15 @@ _ATTEMPTS = 4
 """Plans that are tried for one journey."""
 
 _LOOK_AHEAD = 0.04
+"""Obstacles are looked up so far around the body, m."""
 _AHEAD = 0.01
 """A drive stops when the body is this near to a known obstacle, m, ..."""
-_SIDESTEP = 0.012
-_GLANCING = 0.2
-"""A contact more than 11° off the direction of travel can be dodged, rad."""
 _FRONTAL = 0.7
 """... that lies within 45° of the direction of travel (cosine)."""
+_GLANCING = 0.2
+"""A contact more than 11° off the direction of travel can be dodged, rad, ..."""
+_SIDESTEP = 0.012
+"""... by moving aside so far, m."""
 _TOLERANCE = 0.03
 """The map may place an obstacle that much too near, m: noise and cell size."""
 
@@ -141,7 +143,7 @@ class Pilot:
                 return
 
     def drive_to(self, point: Floats) -> bool:
-        """Turn towards a point and drive there; False if something is in the way."""
+        """Turn towards a point (2,), m, and drive there; False if something is in the way."""
         for _ in range(3):
             gap = point - self.position
             length = float(np.hypot(*gap))
@@ -154,7 +156,7 @@ class Pilot:
         return float(np.hypot(*(point - self.position))) < 0.05
 
     def drive_around(self, point: Floats) -> bool:
-        """Drive to a point by the best way on the local grid."""
+        """Drive to a point (2,), m, by the best way on the local grid; False if there is none."""
         radius = self.robot.radius
         for clearance in (radius + 0.02, radius - self.robot.caution, radius - 0.04):
             way = plan_detour(self.vehicle.grid, self.position, point, clearance)
@@ -196,11 +198,11 @@ class Pilot:
                 return
 
     def can_drive(self, start: Floats, end: Floats, clearance: float) -> bool:
-        """Whether the straight way is free in the robot's own map."""
+        """Whether no known obstacle is nearer than ``clearance`` m to the straight way."""
         return self.vehicle.grid.is_clear(start, end, clearance)
 
     def travel(self, node: int) -> bool:
-        """Drive to a node over the map graph by the shortest path (Dijkstra)."""
+        """Drive to a node by the shortest path over the map (Dijkstra); False if that fails."""
         graph = self.vehicle.graph
         for attempt in range(_ATTEMPTS):
             route = self._route(node)

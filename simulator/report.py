@@ -75,10 +75,16 @@ def coverage_report(
     spacing : float
         Grid spacing of the positions, m.
 
+    Returns
+    -------
+    CoverageReport
+
     Raises
     ------
     RoomsegError
         If the map has no driven path.
+    SceneError
+        If the robot does not fit where the apartment says that it starts.
     """
     if topomap.path is None or len(topomap.path.time) == 0:
         raise RoomsegError(f"{topomap.environment}: path: absent, expected a simulated run")

@@ -69,7 +69,7 @@ class RobotSpec:
         A meandering lane is not begun where less length is free, m.
     piercing_width : float
         A passage with less room for the robot's *centre* is narrow: it is
-        entered by a piercing lane, m. 0.25 is a passage of 0.55 m.
+        entered by a piercing lane, m. 0.35 is a passage of 0.65 m.
     piercing_opening : float
         A piercing lane ends when the centre has so much room to either side, m.
     frontier_area, frontier_depth : float

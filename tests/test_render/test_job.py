@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -180,10 +181,42 @@ def test_sigint_in_the_middle_then_resume(whole: Path, tmp_path: Path) -> None:
     assert images(path) == images(whole)
 
 
+def is_running(pid: int) -> bool:
+    """Whether a process is there and no zombie."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_the_child_does_not_outlive_a_killed_caller() -> None:
+    room, camera, slow = boxed_room((0.0, 2.1)), FisheyeCamera(), Preset("slow", samples=4000)
+    code = (
+        "import numpy as np, sys, time; from render.process import Job, RenderProcess\n"
+        "process = RenderProcess(Job.from_json(sys.argv[1]))\n"
+        "process._ask(0, np.zeros((1, 3)))\n"
+        "print(process._child.pid, flush=True); time.sleep(60)"
+    )
+    root = str(Path(render.__file__).parent.parent)
+    caller = subprocess.Popen(
+        [sys.executable, "-c", code, Job(room, camera, slow, 1).to_json()],
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": root},
+    )
+    assert caller.stdout is not None
+    child = int(caller.stdout.readline())
+    caller.kill()
+    caller.communicate()
+    end = time.monotonic() + 10.0
+    while is_running(child) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not is_running(child)
+
+
 def test_maps_without_scene_or_poses_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"/nodes/true_pose: missing"):
         render_map(make_map(tmp_path / "a.h5", poses=False), preset=TINY)
-    with pytest.raises(FormatError, match="/scene: name: Field required"):
+    with pytest.raises(FormatError, match="/scene: name: missing"):
         render_map(make_map(tmp_path / "b.h5", scene="{}"), preset=TINY)
 
 

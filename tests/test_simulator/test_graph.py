@@ -1,4 +1,4 @@
-"""The growing map: visits, shortest paths, connectedness."""
+"""The growing map: visits, shortest paths, forgotten nodes."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def test_shortest_path_over_a_shortcut():
     assert previous[1] == 0
 
 
-def test_connectedness():
+def test_a_node_without_an_edge_has_no_path():
     graph = chain(3)
-    assert graph.is_connected()
     graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
-    assert not graph.is_connected()
+    length, previous = graph.routes(0)
+    assert length[3] == np.inf and previous[3] < 0 and previous[0] < 0
 
 
 def test_one_visit_per_approach():
