@@ -7,5 +7,7 @@ export PATH="$PWD/.venv/bin:$PATH"
 ruff format --check .
 ruff check .
 mypy
-python -m build --wheel --outdir "$(mktemp -d)" >/dev/null
+wheels=$(mktemp -d)
+trap 'rm -rf "$wheels"' EXIT
+python -m build --wheel --no-isolation --outdir "$wheels" >/dev/null
 pytest -q -n 2 "$@"

@@ -6,12 +6,15 @@ cd "$(dirname "$0")"
 
 fail() { echo "setup: $*" >&2; exit 2; }
 
-python=${PYTHON:-python3.11}
-command -v "$python" >/dev/null || python=python3
+python=${PYTHON:-$(command -v python3.11 || echo python3)}
 "$python" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null ||
     fail "Python 3.11 not found (set PYTHON=/path/to/python3.11); Blender 5.0's module needs exactly 3.11"
 
-[ -x .venv/bin/python ] || "$python" -m venv .venv
+if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+    rm -rf .venv
+    "$python" -m venv .venv >/dev/null ||
+        fail "cannot make a virtual environment (on Debian: apt-get install python3.11-venv)"
+fi
 echo "setup: installing Python packages into .venv (about 400 MB on the first run)"
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 

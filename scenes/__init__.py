@@ -15,6 +15,7 @@ from scenes.apartment import (
 )
 from scenes.checks import check
 from scenes.errors import SceneError
+from scenes.generator import generate_apartment
 from scenes.mesh import Mesh, apartment_mesh
 from scenes.passages import reachable_positions, room_borders
 from scenes.solids import Prism, apartment_solids, floor_region, obstacles
@@ -47,6 +48,7 @@ __all__ = [
     "apartment_to_json",
     "check",
     "floor_region",
+    "generate_apartment",
     "load_apartment",
     "obstacles",
     "reachable_positions",

@@ -13,7 +13,7 @@ from dataset.errors import RoomsegError
 from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
 from scenes.passages import room_borders
-from scenes.solids import obstacles
+from scenes.solids import floor_region, obstacles
 from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
@@ -72,6 +72,11 @@ def simulate(
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
     world = World(obstacles(apartment, low=_FLOOR_GAP, high=robot.height))
     pose = _start_pose(apartment, start)
+    if not floor_region(apartment).covers(shapely.Point(pose[:2])):
+        raise RoomsegError(
+            f"{apartment.name}: start.position ({pose[0]:g}, {pose[1]:g}) lies outside the rooms, "
+            "expected free floor"
+        )
     if not world.is_free(pose[:2], robot.radius):
         raise RoomsegError(
             f"{apartment.name}: start.position ({pose[0]:g}, {pose[1]:g}) is nearer than "

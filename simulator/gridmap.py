@@ -33,6 +33,8 @@ _RIM = 0.03
 """The rim of the body's disc says nothing: what it touches is an obstacle, m."""
 _SUPPORT = (7, 7)
 """Cells in which a second point must support the first."""
+_MARGIN = 0.3
+"""The grid reaches so much further than beams and body, m."""
 _SHY = 0.06
 """A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
 
@@ -61,13 +63,12 @@ class GridMap:
         return np.asarray(self.corner + (cells + 0.5) * CELL)
 
     def add_scan(self, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
-        """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m).
-
-        The body must have been entered here, which makes the grid large enough.
-        """
+        """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m)."""
         hit = np.isfinite(ranges)
         reach = np.where(hit, ranges - _SHY, free)
-        steps = np.arange(0.5 * CELL, 1.0, CELL)
+        farthest = max(1.0, float(reach.max()))
+        self._hold(pose[:2], farthest + _MARGIN)
+        steps = np.arange(0.5 * CELL, farthest, CELL)
         beam, step = np.nonzero(steps[None, :] < reach[:, None])
         direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         passed = self.cells(pose[:2] + steps[step, None] * direction[beam])
@@ -84,7 +85,7 @@ class GridMap:
 
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
-        self._hold(pose[:2], 1.3)
+        self._hold(pose[:2], 1.0 + _MARGIN)
         reach = np.arange(-radius, radius, 0.8 * CELL)
         x, y = np.meshgrid(reach, reach)
         inside = np.hypot(x, y) < radius - _RIM

@@ -46,6 +46,8 @@ class CoverageReport:
         Whether the map graph is one component.
     drift : float
         Largest distance between estimate and truth along the path, m.
+    from_home : float
+        Where the run ended, as true distance from the base, m.
     """
 
     nodes: int
@@ -58,6 +60,7 @@ class CoverageReport:
     duration: float
     connected: bool
     drift: float
+    from_home: float
 
 
 def coverage_report(
@@ -105,6 +108,7 @@ def coverage_report(
         duration=float(path.time[-1]),
         connected=_is_connected(topomap),
         drift=float(np.hypot(*(track - path.estimate[:, :2]).T).max()),
+        from_home=float(np.hypot(*(track[-1] - track[0]))),
     )
 
 

@@ -23,6 +23,19 @@ __all__ = ["RobotSpec", "WheelSlip", "arc", "wrap"]
 Floats = NDArray[np.float64]
 
 
+_POSITIVE = (
+    "radius",
+    "height",
+    "wheel_base",
+    "speed",
+    "turn_rate",
+    "time_step",
+    "slip_memory",
+    "correction_period",
+    "node_spacing",
+)
+
+
 @dataclass(frozen=True)
 class RobotSpec:
     """Body, motion and strategy settings; SI units, rad.
@@ -126,9 +139,17 @@ class RobotSpec:
             value = getattr(self, setting.name)
             if not (np.isfinite(value) and value >= 0):
                 raise ValueError(f"{setting.name}: {value}, expected a finite number >= 0")
-        for name in ("radius", "wheel_base", "speed", "turn_rate", "time_step", "node_spacing"):
+        for name in _POSITIVE:
             if getattr(self, name) == 0:
                 raise ValueError(f"{name}: 0, expected > 0")
+        if self.correction_gain > 1:
+            raise ValueError(f"correction_gain: {self.correction_gain}, expected 0..1")
+        if min(self.squeeze_spacing, self.lane_spacing) < self.cover_radius + 0.05 - 1e-9:
+            raise ValueError(
+                f"squeeze_spacing, lane_spacing: {self.squeeze_spacing}, {self.lane_spacing} m, "
+                f"expected at least cover_radius + 0.05 = {self.cover_radius + 0.05:g} m, "
+                "so that a new lane covers new floor"
+            )
         if self.speed * self.time_step > 0.0201:
             raise ValueError(
                 f"speed * time_step: {self.speed * self.time_step:.3f} m, expected at most 0.02 m, "

@@ -30,7 +30,7 @@ Example:
 @click.option(
     "--area",
     type=click.FloatRange(6.0, 360.0),
-    help="Clear floor, m², 6 to 30 per room; 12.5 per room if absent.",
+    help="Clear floor, m², 5 to 30 per room; 12.5 per room if absent.",
 )
 @click.option(
     "--contrast",

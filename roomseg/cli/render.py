@@ -66,12 +66,17 @@ def command(
             if force:
                 discard_frames(path)
             show = follow(bar, path.name)
+
+            def tell(device: str, path: Path = path) -> None:
+                click.echo(f"{path}: rendering on {device}", err=True)
+
             count = render_map(
                 path,
                 preset=chosen,
                 limit=limit,
                 threads=threads,
                 device=device,
+                on_device=tell,
                 on_progress=show,
             )
             click.echo(f"{path}: {count} new images")

@@ -1,4 +1,4 @@
-"""Whole runs: what the issue and §2.1 promise of a cleaning run and its map."""
+"""Whole runs: what §2.1 promises of a cleaning run and its map."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from dataset.errors import RoomsegError
+from scenes import load_apartment
 from scenes.solids import obstacles
 from simulator import RobotSpec, SensorSpec, coverage_report, simulate
 from simulator.cleaning_run import crosses_border
@@ -219,3 +220,8 @@ def test_crossing_borders_by_hand():
     borders = np.array([[[1.5, -1.0], [1.5, 1.0]]])
     assert crosses_border(positions, edges, borders).tolist() == [False, True, True]
     assert not crosses_border(positions, edges, np.zeros((0, 2, 2))).any()
+
+
+def test_a_base_outside_the_rooms_is_refused():
+    with pytest.raises(RoomsegError, match="outside the rooms"):
+        simulate(load_apartment("demo1"), start=(50.0, 50.0, 0.0))

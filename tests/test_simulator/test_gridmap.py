@@ -81,3 +81,13 @@ def test_room_agrees_with_clearance():
     points = np.random.default_rng(0).uniform([0.45, -0.2], [0.65, 0.2], (50, 2))
     x, y = grid.cells(points).T
     np.testing.assert_allclose(grid.clearance(points), room[x, y], atol=1.5 * CELL)
+
+
+def test_a_long_beam_is_marked_where_it_ends():
+    grid = GridMap(np.zeros(2))
+    grid.add_body(np.zeros(3), 0.15)
+    for distance in (3.3, 3.31):
+        grid.add_scan(np.zeros(3), np.array([np.pi]), np.array([distance]), 0.6)
+    assert grid.clearance(np.array([[-3.3, 0.0]]))[0] < 0.05
+    assert grid.is_seen(np.array([[-2.5, 0.0]]))[0]
+    assert grid.clearance(np.array([[3.3, 0.0], [3.1, 0.0]])).min() == 0.3

@@ -82,3 +82,18 @@ def test_slip_has_the_stated_spread_and_is_zero_without_noise():
 def test_impossible_settings_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
         RobotSpec(**settings)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"slip_memory": 0.0},
+        {"correction_gain": 1.5},
+        {"lane_spacing": 0.2},
+        {"cover_radius": 0.25},
+        {"speed": 1.0},
+    ],
+)
+def test_impossible_robots_are_refused(settings):
+    with pytest.raises(ValueError, match=next(iter(settings))):
+        RobotSpec(**settings)
