@@ -1,0 +1,53 @@
+"""The parameter search ranks combinations by the mean impurity of the segmentations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cleaned_flat import cleaned_flat
+
+from roomseg.classifier import ClassifierParameters
+from roomseg.evaluation import LabelledMap, leave_one_environment_out
+from roomseg.features import EdgeFeatures
+from roomseg.parameter_search import EXCERPT, search_parameters
+from roomseg.preprocessing import preprocess
+
+
+def labelled(environment: str, seed: int) -> LabelledMap:
+    topomap = replace(cleaned_flat(environment, seed), run="run1")
+    graph = preprocess(topomap)
+    values = np.random.default_rng(seed).normal(0.0, 1.0, (len(graph), 2))
+    values[:, 0] += 3.0 * topomap.ground_truth.edge_is_border[graph.kept]
+    return LabelledMap(topomap, EdgeFeatures(graph, values, ("length", "passageway")))
+
+
+@pytest.fixture(scope="module")
+def maps() -> list[LabelledMap]:
+    return [labelled(name, seed) for seed, name in enumerate("abc")]
+
+
+def test_best_combination_comes_first_and_is_what_evaluation_says(maps: list[LabelledMap]) -> None:
+    good = ClassifierParameters()
+    # A kernel so narrow that every edge it has not seen is within a room, and no lighter weight.
+    useless = ClassifierParameters(gamma=2.0**15, rho=1.0)
+    steps: list[tuple[int, int]] = []
+    found = search_parameters(
+        maps, [useless, good], progress=lambda done, total: steps.append((done, total))
+    )
+    assert [evaluation.parameters for evaluation in found] == [good, useless]
+    alone = leave_one_environment_out(maps, good)
+    np.testing.assert_array_equal(found[0].impurity, alone.impurity)
+    assert found[0].mean_impurity < found[1].mean_impurity
+    assert steps == [(1, 2), (2, 2)]
+
+
+def test_excerpt_lies_in_the_full_search_space_of_table_4() -> None:
+    assert EXCERPT[0] == ClassifierParameters()
+    assert len(set(EXCERPT)) == 9
+    for parameters in EXCERPT:
+        assert np.log2(parameters.C) in range(-9, 10, 2)
+        assert np.log2(parameters.gamma) in range(-15, 0, 2)
+        assert parameters.class_weight in (20, 40, 60)
+        assert parameters.rho in range(20, 121, 20)
