@@ -1,5 +1,6 @@
 """What a map is: arrays, the camera model, and the HDF5 map file."""
 
+from dataset.borders import crosses_border
 from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
 from dataset.errors import FormatError, RoomsegError
 from dataset.inspection import Summary, summarise
@@ -23,6 +24,7 @@ __all__ = [
     "Summary",
     "TopoMap",
     "Visits",
+    "crosses_border",
     "discard_frames",
     "problems",
     "read_map",

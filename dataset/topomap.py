@@ -184,6 +184,9 @@ class TopoMap:
     scene: str | None = None
 
     def __post_init__(self) -> None:
+        for name in ("environment", "run"):
+            if not getattr(self, name):
+                raise FormatError(f"{name}: empty, expected a name")
         edges = _check("edges", self.edges, np.int32, (None, 2))
         object.__setattr__(self, "edges", edges)
         n = len(self.nodes)

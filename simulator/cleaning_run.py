@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from dataset.borders import crosses_border
 from dataset.errors import RoomsegError
 from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
@@ -20,7 +21,7 @@ from simulator.robot import RobotSpec
 from simulator.vehicle import Vehicle
 from simulator.world import World
 
-__all__ = ["crosses_border", "simulate"]
+__all__ = ["simulate"]
 
 Floats = NDArray[np.float64]
 
@@ -85,31 +86,6 @@ def simulate(
     vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
     CoverageStrategy(vehicle, progress).run()
     return _as_map(apartment, vehicle, run=run, seed=seed, created=created)
-
-
-def crosses_border(
-    positions: Floats, edges: NDArray[np.int32], borders: Floats
-) -> NDArray[np.bool_]:
-    """Edges that cross any border segment (§3.1.1).
-
-    Parameters
-    ----------
-    positions : array, shape (n, 2)
-        Node positions in the borders' frame, m.
-    edges : array, shape (e, 2)
-    borders : array, shape (b, 2, 2)
-        m.
-
-    Returns
-    -------
-    array of bool, shape (e,)
-    """
-    crossed = np.zeros(len(edges), np.bool_)
-    if len(edges) and len(borders):
-        tree = shapely.STRtree(shapely.linestrings(borders))
-        lines = shapely.linestrings(positions[edges])
-        crossed[tree.query(lines, predicate="intersects")[0]] = True
-    return crossed
 
 
 def _start_pose(apartment: Apartment, start: tuple[float, float, float] | None) -> Floats:

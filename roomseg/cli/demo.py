@@ -37,12 +37,14 @@ def command(ctx: click.Context, *, output: Path, preset: str, seed: int) -> None
     images that are there are kept, so that a stopped demo goes on where it was.
     """
     from dataset import write_rooms
+    from render import preset_named
     from roomseg.cli import render, simulate
     from roomseg.cli.features import labelled_maps
     from roomseg.cli.reporting import assemble
     from roomseg.parameter_search import EXCERPT, search_parameters
     from roomseg.report import write_report
 
+    preset_named(preset)  # refused before anything is made
     maps = tuple(output / f"{place}-run1.h5" for place in PLACES)
     for place in PLACES:
         ctx.invoke(simulate.command, apartment=place, output=output, seed=seed)

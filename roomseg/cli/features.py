@@ -125,5 +125,5 @@ def check_labelled(path: Path) -> None:
     if truth is None or truth.room is None:
         raise RoomsegError(
             f"{path}: has no /ground_truth/room, expected the room of every node; "
-            "`roomseg simulate` makes maps with it"
+            "`roomseg simulate` makes maps with it, docs/robot.md tells how to label your own"
         )

@@ -27,15 +27,25 @@ class OutputFile(click.ParamType[Path]):
     name = "file"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Refuse a folder, and a file in a folder that is missing or not writable."""
+        """Refuse a folder, a map, and a file in a folder that is missing or not writable."""
         path = Path(value)
         if path.is_dir():
             self.fail(f"{path} is a folder, expected a file name", param, ctx)
+        if path.suffix == ".h5" or _is_map(path):
+            self.fail(f"{path} is a map and would be lost, expected another file name", param, ctx)
         if not path.parent.is_dir():
             self.fail(f"{path}: the folder {path.parent} does not exist", param, ctx)
         if not os.access(path.parent, os.W_OK):
             self.fail(f"{path}: the folder {path.parent} is not writable", param, ctx)
         return path
+
+
+def _is_map(path: Path) -> bool:
+    """Whether there is a file that begins as HDF5 files do."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(8) == b"\x89HDF\r\n\x1a\n"
 
 
 maps_argument = click.argument(

@@ -6,6 +6,7 @@ import signal
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
+from datetime import datetime
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -85,6 +86,7 @@ def command(
     """
     from scenes import load_apartment
 
+    _check_date(created)
     place = load_apartment(apartment)
     output.mkdir(parents=True, exist_ok=True)
     todo = []
@@ -137,6 +139,16 @@ def _line(report: CoverageReport) -> str:
         f"{report.path_length:.0f} m driven in {report.duration / 60:.0f} min, "
         f"{report.nodes_per_m2:.1f} nodes/m², drift {report.drift:.2f} m"
     )
+
+
+def _check_date(text: str) -> None:
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        raise click.BadParameter(
+            f"{text!r} is no ISO date, expected one like 2026-01-31T12:00:00Z",
+            param_hint="'--created'",
+        ) from None
 
 
 def run_seed(seed: int, number: int) -> int:

@@ -60,5 +60,6 @@ def command(
     write_json(json_file, figures)
     click.echo(
         f"{output}: trained on {edges} edges of {len(maps)} maps, "
-        f"finds {found} of their {borders} border edges"
+        f"finds {found} of their {borders} border edges, "
+        f"and {figures['false_border_edges']} that are none"
     )

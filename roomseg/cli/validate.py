@@ -27,14 +27,33 @@ def command(*, files: tuple[Path, ...], json_file: Path | None) -> int:
     Prints one line per problem. The exit code is 0 if there is none, 1 if
     there are problems, and 2 if a file cannot be read at all.
     """
-    problems_of = {str(path): _problems(path) for path in files}
+    problems_of, unreadable = _judge(files)
     write_json(json_file, problems_of)
     for name, found in problems_of.items():
         for problem in found:
             click.echo(problem if problem.startswith(f"{name}: ") else f"{name}: {problem}")
         if not found:
             click.echo(f"{name}: good")
+    if unreadable is not None:
+        raise unreadable
     return 1 if any(problems_of.values()) else 0
+
+
+def _judge(files: tuple[Path, ...]) -> tuple[dict[str, list[str]], Exception | None]:
+    """Problems of each readable file, and the error of the last one that is not."""
+    from dataset import RoomsegError
+    from scenes import SceneError
+
+    problems_of: dict[str, list[str]] = {}
+    unreadable: Exception | None = None
+    for path in files:
+        try:
+            problems_of[str(path)] = _problems(path)
+        except (RoomsegError, SceneError) as error:
+            if unreadable is not None:
+                click.echo(f"roomseg: error: {unreadable}", err=True)
+            unreadable = error
+    return problems_of, unreadable
 
 
 def _problems(path: Path) -> list[str]:

@@ -38,10 +38,12 @@ Example:
 @click.option("--dpi", type=click.IntRange(30, 1200), default=160, show_default=True)
 def command(*, map_file: Path, output: Path, show: tuple[str, ...], dpi: int) -> None:
     """Draw the run, the graph, the rooms and some images of a map."""
-    from dataset import MapFile
+    from dataset import MapFile, RoomsegError
     from dataset.atomic import replacing
     from roomseg.figures import new_figure, png_bytes
 
+    if output.suffix.lower() != ".png":
+        raise RoomsegError(f"{output}: not a picture's name, expected one that ends in .png")
     with MapFile(map_file) as file:
         panels = _panels(file, show)
         columns = min(3, len(panels))

@@ -35,6 +35,7 @@ from dataset.atomic import locked, replacing
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 texts = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=20)
+names = texts.filter(bool)
 integers = st.integers(-(2**31), 2**31 - 1)
 
 
@@ -71,8 +72,8 @@ def maps(draw: st.DrawFn) -> TopoMap:
         height=draw(st.floats(0.01, 2.0)),
     )
     return TopoMap(
-        environment=draw(texts),
-        run=draw(texts),
+        environment=draw(names),
+        run=draw(names),
         seed=draw(st.integers(0, 2**63 - 1)),
         created=draw(texts),
         software=draw(texts),

@@ -375,3 +375,43 @@ def test_every_problem_of_an_apartment_is_told(folder):
     assert all(line.startswith("home.json: ") for line in lines)
     assert any("passages[0]" in line for line in lines)
     assert any("passages[1]" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("inspect", "flat.h5", "--json", "flat.h5"),
+        ("view", "flat.h5", "-o", "flat.h5"),
+        ("train", "flat.h5", "-o", "flat.h5"),
+        ("generate", "-o", "new.h5"),
+        ("inspect", "flat.h5", "--json", "map-by-another-name"),
+    ],
+)
+def test_no_output_replaces_a_map(folder, capsys, arguments):
+    before = Path("flat.h5").read_bytes()
+    Path("map-by-another-name").write_bytes(before)
+    assert "is a map and would be lost" in refused(capsys, *arguments)
+    assert Path("flat.h5").read_bytes() == before
+    assert Path("map-by-another-name").read_bytes() == before
+    assert not Path("new.h5").exists()
+
+
+def test_a_picture_is_png_and_a_date_is_iso(folder, capsys):
+    assert ".png" in refused(capsys, "view", "flat.h5", "-o", "flat.pdf")
+    message = refused(capsys, "simulate", "demo1", "--created", "yesterday", "-o", "maps")
+    assert "2026-01-31" in message
+    assert not Path("maps").exists()
+
+
+def test_a_damaged_file_does_not_hide_what_is_wrong_with_others(folder):
+    Path("cut.h5").write_bytes(Path("flat.h5").read_bytes()[:500])
+    result = run("validate", "cut.h5", "flat.h5")
+    assert result.returncode == 2
+    assert result.stdout == "flat.h5: good\n"
+    assert result.stderr.startswith("roomseg: error: cut.h5: ")
+    assert result.stderr.count("\n") == 1
+
+
+def test_the_demo_refuses_an_unknown_preset_before_it_begins(folder, capsys):
+    assert "fancy" in refused(capsys, "demo", "--preset", "fancy", "-o", "out")
+    assert not Path("out").exists()

@@ -10,11 +10,11 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from dataset import crosses_border
 from dataset.errors import RoomsegError
 from scenes import load_apartment
 from scenes.solids import obstacles
 from simulator import RobotSpec, SensorSpec, coverage_report, simulate
-from simulator.cleaning_run import crosses_border
 
 from .plans import box_room, two_rooms
 
