@@ -112,6 +112,9 @@ def _problems(file: h5py.File) -> Iterator[str]:
 def _check_root(file: h5py.File) -> Iterator[str]:
     for name in ("environment", "run", "created", "software"):
         yield from _refusal(partial(text_attribute, file, name))
+    for name in ("environment", "run"):
+        if file.attrs.get(name) == "":
+            yield f"attribute {name} of /: empty, expected a name"
     for name in ("seed", "robot_radius"):
         yield from _refusal(partial(number_attribute, file, name))
     radius = file.attrs.get("robot_radius", 1.0)

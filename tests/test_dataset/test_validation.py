@@ -172,6 +172,10 @@ CASES = {
         attribute("/", "seed", "seven"),
         "attribute seed of /: seven, expected a number",
     ),
+    "environment without a name": (
+        attribute("/", "environment", ""),
+        "attribute environment of /: empty, expected a name",
+    ),
     "robot without size": (
         attribute("/", "robot_radius", 0.0),
         "attribute robot_radius of /: 0.0, expected > 0 m",
