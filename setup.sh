@@ -28,3 +28,4 @@ if ! loads 2>/dev/null && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; t
 fi
 loads || exit 2
 touch .venv/ready
+echo "setup: ready; use it with: . .venv/bin/activate"
