@@ -2,7 +2,7 @@
 
 As in the paper, a combination is judged by leaving each environment out of
 training once, and the one with the lowest mean impurity wins. The winner's
-impurity is therefore a little optimistic: the same maps chose the parameters.
+impurity is therefore optimistic, the more so the fewer the maps: they chose it.
 """
 
 from __future__ import annotations
