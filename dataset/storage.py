@@ -177,6 +177,12 @@ def opened(path: str | Path) -> Iterator[h5py.File]:
         yield file
 
 
+def begins_as_hdf5(path: Path) -> bool:
+    """Whether a file that is there begins with the signature of HDF5."""
+    with path.open("rb") as stream:
+        return stream.read(8) == b"\x89HDF\r\n\x1a\n"
+
+
 def open_map(path: str | Path) -> h5py.File:
     """Open a map file for reading.
 
@@ -191,9 +197,8 @@ def open_map(path: str | Path) -> h5py.File:
         raise FormatError(f"{path}: {what}, expected a map file (.h5)")
     if not os.access(path, os.R_OK):
         raise FormatError(f"{path}: not readable, check its permissions")
-    with path.open("rb") as stream:
-        if not stream.read(8) == b"\x89HDF\r\n\x1a\n":
-            raise FormatError(f"{path}: not an HDF5 file, expected a map file (.h5)")
+    if not begins_as_hdf5(path):
+        raise FormatError(f"{path}: not an HDF5 file, expected a map file (.h5)")
     with errors_of(path):
         try:
             file = h5py.File(path, "r")

@@ -18,7 +18,7 @@ from scenes.errors import SceneError
 from scenes.generator import generate_apartment
 from scenes.mesh import Mesh, apartment_mesh
 from scenes.passages import reachable_positions, room_borders
-from scenes.solids import Prism, apartment_solids, floor_region, obstacles
+from scenes.solids import Prism, apartment_solids, floor_area, floor_region, obstacles
 from scenes.storage import (
     apartment_from_json,
     apartment_to_json,
@@ -47,6 +47,7 @@ __all__ = [
     "apartment_solids",
     "apartment_to_json",
     "check",
+    "floor_area",
     "floor_region",
     "generate_apartment",
     "load_apartment",

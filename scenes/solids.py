@@ -94,6 +94,11 @@ def rooms_region(apartment: Apartment) -> shapely.Geometry:
     return shapely.union_all([Polygon(room.polygon) for room in apartment.rooms])
 
 
+def floor_area(apartment: Apartment) -> float:
+    """Total clear floor of the rooms, furniture included, m² (Table 8)."""
+    return sum(float(Polygon(room.polygon).area) for room in apartment.rooms)
+
+
 def building_region(apartment: Apartment) -> shapely.Geometry:
     """Rooms and walls together, small gaps closed, openings filled."""
     lines = [

@@ -15,6 +15,7 @@ from dataset.errors import RoomsegError
 from dataset.topomap import Path, TopoMap
 from scenes.apartment import Apartment
 from scenes.passages import reachable_positions
+from scenes.solids import floor_area
 
 __all__ = ["CoverageReport", "coverage_report"]
 
@@ -95,7 +96,7 @@ def coverage_report(
     track = path.true_pose[:, :2]
     steps = np.hypot(*np.diff(track, axis=0).T)
     turned = np.diff(np.unwrap(path.true_pose[:, 2]))
-    area = sum(shapely.Polygon(room.polygon).area for room in apartment.rooms)
+    area = floor_area(apartment)
     reachable = reachable_positions(apartment, topomap.robot_radius, spacing)
     return CoverageReport(
         nodes=len(topomap.nodes),

@@ -41,11 +41,12 @@ class OutputFile(click.ParamType[Path]):
 
 
 def _is_map(path: Path) -> bool:
-    """Whether there is a file that begins as HDF5 files do."""
+    """Whether there is a map, or another HDF5 file, of whatever name."""
     if not path.is_file():
         return False
-    with path.open("rb") as file:
-        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+    from dataset.storage import begins_as_hdf5
+
+    return begins_as_hdf5(path)
 
 
 maps_argument = click.argument(

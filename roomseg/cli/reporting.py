@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from shapely import Polygon
 
 from dataset import MapFile
 from roomseg.classifier import ClassifierParameters
@@ -30,7 +29,7 @@ from roomseg.report import (
 )
 from roomseg.report.contents import PAPER_CLASSIFIER
 from roomseg.report.fidelity import edge_statistics, feature_statistics, roc_curves
-from scenes import apartment_from_json, floor_region, obstacles
+from scenes import apartment_from_json, floor_area, floor_region, obstacles
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -148,7 +147,6 @@ def _place(path: Path, results: tuple[MapResult, ...]) -> Place:
 
 
 def _with_plan(place: Place, apartment: Apartment) -> Place:
-    area = sum(Polygon(room.polygon).area for room in apartment.rooms)
     return replace(
         place,
         description=apartment.description,
@@ -156,7 +154,7 @@ def _with_plan(place: Place, apartment: Apartment) -> Place:
         floor=floor_region(apartment),
         base_station=apartment.start.position,
         facts=(
-            Fact("floor area", f"{area:.1f} m²"),
+            Fact("floor area", f"{floor_area(apartment):.1f} m²"),
             Fact("lighting", apartment.lighting.source),
             Fact("passageway contrast", apartment.passageway_contrast),
         ),

@@ -6,6 +6,8 @@ a piercing lane joins the corridor to each room through its doorway.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import shapely
@@ -13,6 +15,9 @@ from scipy.spatial import cKDTree
 
 from dataset.camera import FisheyeCamera
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, TopoMap, Visits
+from roomseg.evaluation import LabelledMap
+from roomseg.features import EdgeFeatures
+from roomseg.preprocessing import preprocess
 
 ROOMS = ((0.0, 1.6, 4.0, 4.6), (4.12, 1.6, 7.4, 4.6), (0.0, 0.0, 7.4, 1.48))
 DOORS = ((1.6, 1.46, 2.4, 1.62), (5.2, 1.46, 6.0, 1.62))
@@ -159,3 +164,15 @@ def fisheye_image(camera: FisheyeCamera | None = None, seed: int = 0) -> np.ndar
     grey = cv2.GaussianBlur(grey, (0, 0), 0.9)
     grey[zenith > camera.field_of_view / 2] = 0.0
     return np.clip(grey + rng.normal(0, 2, grey.shape) * (grey > 0), 0, 255).astype(np.uint8)
+
+
+def labelled_flat(
+    environment: str, seed: int, informative: bool = True, run: str = "run1"
+) -> LabelledMap:
+    """A flat whose features tell border edges, or tell nothing."""
+    topomap = replace(cleaned_flat(environment, seed), run=run)
+    graph = preprocess(topomap)
+    rng = np.random.default_rng(seed)
+    values = rng.normal(0, 1, (len(graph), 2))
+    values[:, 0] += 4.0 * informative * topomap.ground_truth.edge_is_border[graph.kept]
+    return LabelledMap(topomap, EdgeFeatures(graph, values, ("length", "passageway")))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cleaned_flat import cleaned_flat
+from cleaned_flat import labelled_flat
 
 from dataset.errors import FormatError
 from roomseg.classifier import ClassifierParameters
@@ -19,26 +19,14 @@ from roomseg.evaluation import (
     segment_map,
     train_on,
 )
-from roomseg.features import EdgeFeatures
 from roomseg.metrics import impurity
-from roomseg.preprocessing import preprocess
 from roomseg.segmentation import segment
-
-
-def labelled(environment: str, seed: int, informative: bool = True, run: str = "run1"):
-    """A flat whose features tell border edges, or tell nothing."""
-    topomap = replace(cleaned_flat(environment, seed), run=run)
-    graph = preprocess(topomap)
-    rng = np.random.default_rng(seed)
-    values = rng.normal(0, 1, (len(graph), 2))
-    values[:, 0] += 4.0 * informative * topomap.ground_truth.edge_is_border[graph.kept]
-    return LabelledMap(topomap, EdgeFeatures(graph, values, ("length", "passageway")))
 
 
 @pytest.fixture(scope="module")
 def maps() -> list[LabelledMap]:
     names = [("a", 1, "run1"), ("a", 2, "run2"), ("b", 3, "run1"), ("c", 4, "run1")]
-    return [labelled(name, seed, run=run) for name, seed, run in names]
+    return [labelled_flat(name, seed, run=run) for name, seed, run in names]
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +71,7 @@ def test_uniform_variant_uses_no_classifier(
 
 def test_no_training_on_the_tested_environment() -> None:
     """Features that mislead in 'a' only: 'a' is judged by 'b', and so goes wrong."""
-    good, bad = labelled("b", 3), labelled("a", 1)
+    good, bad = labelled_flat("b", 3), labelled_flat("a", 1)
     misleading = replace(bad, features=replace(bad.features, values=-bad.features.values))
     result = leave_one_environment_out([misleading, good]).results
     assert result[0].borders.recall < 0.1

@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from cleaned_flat import cleaned_flat
+from cleaned_flat import labelled_flat
 
 from roomseg.classifier import ClassifierParameters
 from roomseg.evaluation import LabelledMap, leave_one_environment_out
-from roomseg.features import EdgeFeatures
 from roomseg.parameter_search import EXCERPT, search_parameters
-from roomseg.preprocessing import preprocess
-
-
-def labelled(environment: str, seed: int) -> LabelledMap:
-    topomap = replace(cleaned_flat(environment, seed), run="run1")
-    graph = preprocess(topomap)
-    values = np.random.default_rng(seed).normal(0.0, 1.0, (len(graph), 2))
-    values[:, 0] += 3.0 * topomap.ground_truth.edge_is_border[graph.kept]
-    return LabelledMap(topomap, EdgeFeatures(graph, values, ("length", "passageway")))
 
 
 @pytest.fixture(scope="module")
 def maps() -> list[LabelledMap]:
-    return [labelled(name, seed) for seed, name in enumerate("abc")]
+    return [labelled_flat(name, seed) for seed, name in enumerate("abc")]
 
 
 def test_best_combination_comes_first_and_is_what_evaluation_says(maps: list[LabelledMap]) -> None:
