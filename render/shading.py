@@ -200,6 +200,7 @@ def _fabric(tree: _Tree, material: Material) -> _Socket:
 _PATTERNS: dict[str, Callable[[_Tree, Material], _Socket]] = {
     "plain": _plain,
     "plaster": _plaster,
+    "wallpaper": _fabric,
     "parquet": _parquet,
     "planks": _planks,
     "tiles": _tiles,
@@ -207,6 +208,7 @@ _PATTERNS: dict[str, Callable[[_Tree, Material], _Socket]] = {
     "wood": _wood,
     "fabric": _fabric,
     "metal": _plain,
+    "glass": _plain,
 }
 
 

@@ -3,9 +3,10 @@
 SI units; x right, y up; angles in files are degrees and say so (``_deg``),
 because people write these files. Room polygons are the clear floor between
 the wall faces; walls are centre lines with a thickness; passages and windows
-are cut into the wall on whose centre line their middle lies. Everything solid
-becomes vertical prisms in `scenes.solids`, so that the 2D obstacles of the
-simulator are by construction what the 3D pieces occupy near the floor.
+are cut into the wall on whose centre line their middle lies. Blocks are solids
+of free shape: columns, ceiling steps, traced walls. Everything solid becomes
+vertical prisms in `scenes.solids`, so that the 2D obstacles of the simulator are
+by construction what the 3D pieces occupy near the floor.
 
 The JSON Schema is generated from these models (``Apartment.model_json_schema()``).
 What the types cannot say (overlaps, doorways off every wall) is checked in
@@ -20,6 +21,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 __all__ = [
     "Apartment",
+    "Block",
     "Frame",
     "Lamp",
     "Lighting",
@@ -27,6 +29,8 @@ __all__ = [
     "Passage",
     "Piece",
     "Room",
+    "SceneFile",
+    "Skirting",
     "Start",
     "Wall",
     "Window",
@@ -52,7 +56,17 @@ class Material(_Model):
     """A procedural surface: a pattern of two colours at true scale."""
 
     pattern: Literal[
-        "plain", "plaster", "parquet", "planks", "tiles", "carpet", "wood", "fabric", "metal"
+        "plain",
+        "plaster",
+        "wallpaper",
+        "parquet",
+        "planks",
+        "tiles",
+        "carpet",
+        "wood",
+        "fabric",
+        "metal",
+        "glass",
     ] = "plain"
     colour: Colour = (0.8, 0.8, 0.8)
     second_colour: Colour | None = None
@@ -60,6 +74,14 @@ class Material(_Model):
     size: Length = 0.2
     """Size of one repeat (tile, board, weave), m."""
     roughness: Unit = 0.7
+
+
+class Skirting(_Model):
+    """Boards along the feet of a room's walls, interrupted by its passages."""
+
+    height: Annotated[float, Field(gt=0.0, le=0.5)] = 0.07
+    depth: Annotated[float, Field(gt=0.0, le=0.05)] = 0.012
+    material: Name = "frame_paint"
 
 
 class Room(_Model):
@@ -72,6 +94,7 @@ class Room(_Model):
     floor: Name = "parquet"
     walls: Name = "white_plaster"
     ceiling: Name = "white_paint"
+    skirting: Skirting | None = None
 
 
 class Wall(_Model):
@@ -80,6 +103,39 @@ class Wall(_Model):
     start: Point
     end: Point
     thickness: Length = 0.12
+
+
+class Block(_Model):
+    """A solid of free shape: an upright prism between two heights, m.
+
+    ``top`` ``None``: through the ceiling. ``material`` ``None``: the ``walls``
+    surface of whichever room a face looks into. A block from the floor through
+    the ceiling without a material is masonry: it closes rooms as a wall does,
+    takes its footprint from their floor, and openings cut it. A block that
+    begins above the floor and goes through the ceiling is a step of the ceiling.
+    """
+
+    polygon: tuple[Point, ...] = Field(min_length=3)
+    holes: tuple[Annotated[tuple[Point, ...], Field(min_length=3)], ...] = ()
+    bottom: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    top: Length | None = None
+    material: Name | None = None
+
+    @property
+    def is_masonry(self) -> bool:
+        """Whether it is a piece of wall."""
+        return self.bottom == 0.0 and self.top is None and self.material is None
+
+
+class SceneFile(_Model):
+    """A 3D scene that is rendered instead of the solids; they are its obstacles only.
+
+    ``file`` is a Blender file in the folder of the apartment's or the map's own
+    file; ``sha256`` of its bytes tells whether it is still the same.
+    """
+
+    file: Name
+    sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
 
 class Frame(_Model):
@@ -176,7 +232,10 @@ class Apartment(_Model):
     name: Name
     description: str = ""
     rooms: tuple[Room, ...] = Field(min_length=1)
-    walls: tuple[Wall, ...] = Field(min_length=3)
+    walls: tuple[Wall, ...] = ()
+    blocks: tuple[Block, ...] = ()
+    borders: tuple[tuple[Point, Point], ...] = ()
+    """Borders between rooms that no wall parts: segments, m."""
     passages: tuple[Passage, ...] = ()
     windows: tuple[Window, ...] = ()
     furniture: tuple[Piece, ...] = ()
@@ -185,4 +244,5 @@ class Apartment(_Model):
     """Own materials; they come before the built-in ones of `scenes.materials`."""
     lighting: Lighting = Field(default_factory=Lighting)
     passageway_contrast: Literal["low", "medium", "high"] = "medium"
+    scene_file: SceneFile | None = None
     start: Start

@@ -15,12 +15,12 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenes.apartment import Apartment, Piece
+from scenes.apartment import Apartment, Piece, Room
 from scenes.lamps import BODY_HEIGHT, lamp_underside
 from scenes.materials import BUILT_IN
 from scenes.passages import ROBOT_RADIUS, free_region
 from scenes.pieces import KINDS, piece_parts
-from scenes.solids import Prism, floor_region, polygons
+from scenes.solids import Prism, block_footprint, floor_region, polygons
 from scenes.wall_checks import (
     check_covered_floor,
     check_enclosure,
@@ -80,23 +80,33 @@ def _names(apartment: Apartment) -> Iterator[str]:
 
 def _materials(apartment: Apartment) -> Iterator[str]:
     known = {*BUILT_IN, *apartment.materials}
-    used: list[tuple[str, str]] = []
-    for index, room in enumerate(apartment.rooms):
-        used += [(f"rooms[{index}].{part}", getattr(room, part)) for part in _SURFACES]
-    for index, passage in enumerate(apartment.passages):
-        if passage.frame is not None:
-            used.append((f"passages[{index}].frame.material", passage.frame.material))
-    for index, window in enumerate(apartment.windows):
-        used.append((f"windows[{index}].frame", window.frame))
-    for index, piece in enumerate(apartment.furniture):
-        slots = piece.materials.items()
-        used += [(f"furniture[{index}].materials.{slot}", name) for slot, name in slots]
-    for field, name in used:
+    for field, name in _used_materials(apartment):
         if name not in known:
             yield f"{field}: {name!r} is no material; {_closest(name, known)}"
 
 
-_SURFACES = ("floor", "walls", "ceiling")
+def _used_materials(apartment: Apartment) -> Iterator[tuple[str, str]]:
+    """Every field that names a material, and the name."""
+    for index, room in enumerate(apartment.rooms):
+        yield from _room_materials(room, f"rooms[{index}]")
+    for index, block in enumerate(apartment.blocks):
+        if block.material is not None:
+            yield f"blocks[{index}].material", block.material
+    for index, passage in enumerate(apartment.passages):
+        if passage.frame is not None:
+            yield f"passages[{index}].frame.material", passage.frame.material
+    for index, window in enumerate(apartment.windows):
+        yield f"windows[{index}].frame", window.frame
+    for index, piece in enumerate(apartment.furniture):
+        for slot, name in piece.materials.items():
+            yield f"furniture[{index}].materials.{slot}", name
+
+
+def _room_materials(room: Room, field: str) -> Iterator[tuple[str, str]]:
+    for part in ("floor", "walls", "ceiling"):
+        yield f"{field}.{part}", getattr(room, part)
+    if room.skirting is not None:
+        yield f"{field}.skirting.material", room.skirting.material
 
 
 def _kinds(apartment: Apartment) -> Iterator[str]:
@@ -126,9 +136,25 @@ def _shapes(apartment: Apartment) -> Iterator[str]:
             yield f"rooms[{index}].polygon: {reason}; expected a simple polygon"
         elif shape.area < 0.1:
             yield f"rooms[{index}].polygon: {shape.area:.3g} m²; expected at least 0.1 m²"
+    yield from _blocks(apartment)
     for index, wall in enumerate(apartment.walls):
         if np.hypot(*np.subtract(wall.start, wall.end)) < 1e-3:
             yield f"walls[{index}].end: {metres(wall.end)} is its start; expected another point"
+
+
+def _blocks(apartment: Apartment) -> Iterator[str]:
+    for index, block in enumerate(apartment.blocks):
+        shape = block_footprint(block)
+        if not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            yield f"blocks[{index}].polygon: {reason}; expected a simple polygon, holes inside it"
+        elif shape.area < 1e-6:
+            yield f"blocks[{index}].polygon: {shape.area:.3g} m²; expected a polygon with an area"
+        if block.top is not None and block.top <= block.bottom:
+            yield (
+                f"blocks[{index}].top: {block.top:g} m; expected above the bottom at "
+                f"{block.bottom:g} m, or null for through the ceiling"
+            )
 
 
 # ---- contents and the robot -----------------------------------------------------------------

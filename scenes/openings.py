@@ -54,7 +54,7 @@ class Opening:
 
 def wall_lines(walls: Sequence[Wall]) -> NDArray[np.float64]:
     """Centre lines of the walls, (w, 2, 2) m."""
-    return np.array([(wall.start, wall.end) for wall in walls], dtype=float)
+    return np.array([(wall.start, wall.end) for wall in walls], dtype=float).reshape(-1, 2, 2)
 
 
 def nearest_wall(walls: Sequence[Wall], position: Point) -> tuple[int, float]:

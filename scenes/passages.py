@@ -38,6 +38,8 @@ def room_borders(
 ) -> Floats:
     """Border segments of all open passages that join two different rooms (§3.1.1).
 
+    The apartment's own borders follow, those of rooms that no wall parts.
+
     Parameters
     ----------
     apartment : Apartment
@@ -61,7 +63,8 @@ def room_borders(
         reach = passage_depth(passage, opening.thickness) / 2
         ends = [[(-half, share * reach), (half, share * reach)] for share in depths]
         segments.append(opening.points(np.array(ends)))
-    return np.concatenate(segments) if segments else np.empty((0, 2, 2))
+    own = np.array(apartment.borders, dtype=float).reshape(-1, 2, 2)
+    return np.concatenate([*segments, own])
 
 
 def free_region(apartment: Apartment, radius: float) -> shapely.Geometry:

@@ -19,7 +19,7 @@ import numpy as np
 import shapely
 from shapely import MultiPolygon, Polygon
 
-from scenes.apartment import Apartment, Passage, Room
+from scenes.apartment import Apartment, Block, Passage, Room
 from scenes.lamps import lamp_parts
 from scenes.openings import Opening, lining_of, place
 from scenes.pieces import piece_parts
@@ -28,9 +28,12 @@ __all__ = [
     "WALL",
     "Prism",
     "apartment_solids",
+    "block_footprint",
     "building_region",
     "cutter",
+    "floor_area",
     "floor_region",
+    "masonry_region",
     "obstacles",
     "passage_rooms",
     "polygons",
@@ -89,14 +92,28 @@ def polygons(region: shapely.Geometry, smallest: float = 1e-7) -> list[Polygon]:
     ]
 
 
+def block_footprint(block: Block) -> Polygon:
+    """Footprint of a block, holes left out."""
+    return Polygon(block.polygon, block.holes)
+
+
+def masonry_region(apartment: Apartment) -> shapely.Geometry:
+    """Union of the blocks that are walls."""
+    return shapely.union_all([block_footprint(b) for b in apartment.blocks if b.is_masonry])
+
+
 def rooms_region(apartment: Apartment) -> shapely.Geometry:
-    """Union of the room polygons."""
-    return shapely.union_all([Polygon(room.polygon) for room in apartment.rooms])
+    """Union of the room polygons, without the masonry that stands in them."""
+    rooms = shapely.union_all([Polygon(room.polygon) for room in apartment.rooms])
+    masonry = masonry_region(apartment)
+    return rooms if masonry.is_empty else rooms.difference(masonry)
 
 
 def floor_area(apartment: Apartment) -> float:
     """Total clear floor of the rooms, furniture included, m² (Table 8)."""
-    return sum(float(Polygon(room.polygon).area) for room in apartment.rooms)
+    masonry = masonry_region(apartment)
+    shapes = [Polygon(room.polygon) for room in apartment.rooms]
+    return sum(float(shape.difference(masonry).area) for shape in shapes)
 
 
 def building_region(apartment: Apartment) -> shapely.Geometry:
@@ -107,7 +124,7 @@ def building_region(apartment: Apartment) -> shapely.Geometry:
         )
         for wall in apartment.walls
     ]
-    region = shapely.union_all([*lines, rooms_region(apartment)])
+    region = shapely.union_all([*lines, masonry_region(apartment), rooms_region(apartment)])
     # A little more than GAP, so that rounding does not decide about gaps of just that width.
     reach = GAP / 2 + 1e-3
     # GEOS raises floating-point flags on nearly straight mitres; its results are sound.
@@ -221,10 +238,17 @@ def _shell(apartment: Apartment) -> Iterator[Prism]:
         yield from _prisms(cut, window.head_height, top, WALL)
         heights = (window.sill_height, window.head_height)
         yield from _window_frame(opening, heights, window.frame)
-    solid = walls.difference(shapely.union_all(cutters))
+    cuts = shapely.union_all(cutters)
+    solid = walls.difference(cuts)
     yield from _prisms(solid, -SLAB, top, WALL)
     for room in apartment.rooms:
         yield from _slabs(room, solid, top)
+        yield from _skirting(room, solid, cuts)
+    for block in apartment.blocks:
+        if not block.is_masonry:
+            name = WALL if block.material is None else block.material
+            height = top if block.top is None else block.top
+            yield Prism(block_footprint(block), block.bottom, height, name)
 
 
 def _slabs(room: Room, solid: shapely.Geometry, top: float) -> Iterator[Prism]:
@@ -233,6 +257,16 @@ def _slabs(room: Room, solid: shapely.Geometry, top: float) -> Iterator[Prism]:
     wide = shape.buffer(OVERLAP, join_style="mitre").intersection(solid).union(shape)
     yield from _prisms(wide, -SLAB, 0.0, room.floor)
     yield from _prisms(wide, room.ceiling_height, top, room.ceiling)
+
+
+def _skirting(room: Room, solid: shapely.Geometry, cuts: shapely.Geometry) -> Iterator[Prism]:
+    """Boards along the walls of a room, as far as no opening interrupts them."""
+    if room.skirting is not None:
+        depth = room.skirting.depth
+        shape = Polygon(room.polygon).difference(solid)
+        band = shape.difference(shape.buffer(-depth, join_style="mitre")).difference(cuts)
+        near = band.intersection(solid.buffer(depth + 1e-6, join_style="mitre"))
+        yield from _prisms(near, 0.0, room.skirting.height, room.skirting.material)
 
 
 def _passage(

@@ -11,7 +11,7 @@ from shapely import Polygon
 
 from scenes.apartment import Apartment, Passage, Point, Window
 from scenes.openings import Opening, lining_of, nearest_wall, place
-from scenes.solids import GAP, building_region, passage_rooms
+from scenes.solids import GAP, building_region, masonry_region, passage_rooms
 
 __all__ = [
     "TOLERANCE",
@@ -78,7 +78,10 @@ def check_enclosure(apartment: Apartment) -> Iterator[str]:
         )
         for wall in apartment.walls
     ]
-    walls = shapely.union_all(bands)
+    masonry = masonry_region(apartment).buffer(GAP, join_style="mitre")
+    # A side may also be a declared border to a room that no wall parts.
+    own = shapely.linestrings(np.array(apartment.borders, dtype=float).reshape(-1, 2, 2))
+    walls = shapely.union_all([*bands, masonry, *shapely.buffer(own, GAP)])
     for index, room in enumerate(apartment.rooms):
         corners = [*room.polygon, room.polygon[0]]
         for a, b in itertools.pairwise(corners):
@@ -87,7 +90,7 @@ def check_enclosure(apartment: Apartment) -> Iterator[str]:
                 yield (
                     f"rooms[{index}].polygon: the side of {room.name!r} from {metres(a)} to "
                     f"{metres(b)} has no wall along {bare.length:.3g} m; expected a wall (open "
-                    f"plans: a wall with a wide passage without lintel)"
+                    f"plans: a wall with a wide passage without lintel, or a line in `borders`)"
                 )
 
 
@@ -108,6 +111,8 @@ def check_openings(apartment: Apartment) -> Iterator[str]:
 
 
 def _off_wall(apartment: Apartment, position: Point) -> str | None:
+    if not apartment.walls:
+        return f"{metres(position)} lies on no wall: there are none; expected one in `walls`"
     index, distance = nearest_wall(apartment.walls, position)
     if distance <= TOLERANCE:
         return None

@@ -13,4 +13,4 @@ def test_tiles_have_their_size_in_metres(probed: dict[str, Any]) -> None:
 
 def test_every_pattern_makes_a_surface(probed: dict[str, Any]) -> None:
     assert probed["patterns_linked"].all()
-    assert len(probed["patterns_linked"]) == 9
+    assert len(probed["patterns_linked"]) == 11

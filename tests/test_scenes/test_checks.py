@@ -93,7 +93,8 @@ CASES = {
     "open side": (
         changed("walls", 3, end=[-0.1, 1.1]),
         "rooms[0].polygon: the side of 'a' from (0, 3) to (0, 0) has no wall along 0.94 m; "
-        "expected a wall (open plans: a wall with a wide passage without lintel)",
+        "expected a wall (open plans: a wall with a wide passage without lintel, or a line in "
+        "`borders`)",
     ),
     "passage off every wall": (
         {"passages": [*framed(), {"position": [3, 1.5]}]},

@@ -178,5 +178,5 @@ def test_folder_that_is_not_there(tmp_path):
 
 def test_schema_is_generated_from_the_model():
     schema = Apartment.model_json_schema()
-    assert schema["required"] == ["name", "rooms", "walls", "start"]
+    assert schema["required"] == ["name", "rooms", "start"]
     assert schema["additionalProperties"] is False
