@@ -23,7 +23,7 @@ from render.cycles import Device
 from render.presets import Preset
 from scenes.apartment import Apartment
 
-__all__ = ["Job", "RenderProcess"]
+__all__ = ["Job", "RenderProcess", "start_child"]
 
 PATIENCE_S = 10.0
 
@@ -90,7 +90,7 @@ class RenderProcess:
     def __init__(self, job: Job) -> None:
         self._size = job.camera.image_size
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  (closed by _end)
-        self._child = _start(self._log)
+        self._child = start_child("render.worker", self._log)
         try:
             self._send(job.to_json())
             self.device = str(self._receive()[0]["device"])
@@ -185,13 +185,13 @@ class RenderProcess:
         self._log.close()
 
 
-def _start(log: IO[bytes]) -> subprocess.Popen[bytes]:
-    """Start the child in a session of its own, so that Ctrl-C reaches only the caller."""
+def start_child(module: str, log: IO[bytes]) -> subprocess.Popen[bytes]:
+    """Start ``module`` in a session of its own, so that Ctrl-C reaches only the caller."""
     root = str(Path(__file__).resolve().parent.parent)
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
     return subprocess.Popen(
         # -P: a dataset.py or render.py in the working directory is not ours.
-        [sys.executable, "-P", "-m", "render.worker"],
+        [sys.executable, "-P", "-m", module],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=log,

@@ -32,7 +32,7 @@ from render.libraries import load_bpy
 from render.process import Job
 from scenes.errors import SceneError
 
-__all__ = ["main"]
+__all__ = ["leave", "main", "read_lines"]
 
 
 def _prepare(line: str) -> tuple[FrameSource, str]:
@@ -50,22 +50,22 @@ def _answer(channel: BinaryIO, head: dict[str, Any], data: bytes = b"") -> None:
     channel.flush()
 
 
-def _leave(folder: str, status: int) -> NoReturn:
+def leave(folder: str, status: int) -> NoReturn:
     """End the process at once, but for what Blender keeps in ``folder``."""
     shutil.rmtree(folder, ignore_errors=True)
     sys.stderr.flush()
     os._exit(status)
 
 
-def _read(lines: SimpleQueue[str], folder: str) -> None:
+def read_lines(lines: SimpleQueue[str], folder: str) -> None:
     """Hand on what is asked for; end the process when the input does."""
     for line in sys.stdin:
         lines.put(line)
-    _leave(folder, 0)
+    leave(folder, 0)
 
 
 def _serve(channel: BinaryIO, lines: SimpleQueue[str]) -> None:
-    """Answer the job, then every frame asked for; `_read` ends this."""
+    """Answer the job, then every frame asked for; `read_lines` ends this."""
     source, device = _prepare(lines.get())
     _answer(channel, {"device": device})
     while True:
@@ -81,7 +81,7 @@ def main() -> None:
     os.dup2(2, 1)
     folder = os.environ["TMPDIR"] = tempfile.mkdtemp(prefix="roomseg-render-")
     lines: SimpleQueue[str] = SimpleQueue()
-    Thread(target=_read, args=(lines, folder), daemon=True).start()
+    Thread(target=read_lines, args=(lines, folder), daemon=True).start()
     try:
         try:
             _serve(channel, lines)
@@ -90,7 +90,7 @@ def main() -> None:
     except BaseException:
         # A shutdown that hangs would keep the caller waiting for the reason, too.
         traceback.print_exc()
-    _leave(folder, 1)
+    leave(folder, 1)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,119 @@
+"""One job for Blender in a process of its own: a picture, a scene file read or written.
+
+The caller runs `run_task`; the child, ``python -m render.task``, reads one line of
+JSON (the task's name and arguments), calls ``perform(bpy, **arguments)`` of the
+task's module, and answers with one line. Large data go through files that the
+arguments name. As in `render.worker`, the end of the child's input ends it at once,
+so that nothing is left running when the caller is stopped.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import traceback
+from contextlib import suppress
+from queue import SimpleQueue
+from threading import Thread
+from typing import IO, Any, Literal
+
+from dataset.errors import RoomsegError
+from render.libraries import load_bpy
+from render.process import start_child
+from render.worker import leave, read_lines
+from scenes.errors import SceneError
+
+__all__ = ["Task", "main", "run_task"]
+
+Task = Literal["cutaway", "scene_import", "scene_export"]
+"""The module of `render` that has ``perform``."""
+
+
+def run_task(task: Task, **arguments: Any) -> dict[str, Any]:
+    """Run a task in a child process and return its answer.
+
+    Parameters
+    ----------
+    task : str
+        Module of `render` with a function ``perform(bpy, **arguments) -> dict``.
+    **arguments
+        What JSON can hold.
+
+    Raises
+    ------
+    RoomsegError
+        If the task says so, or the process ends without an answer.
+    """
+    with tempfile.TemporaryFile() as log:
+        child = start_child("render.task", log)
+        assert child.stdin is not None and child.stdout is not None
+        try:
+            with suppress(BrokenPipeError):
+                line = json.dumps({"task": task, "arguments": arguments})
+                child.stdin.write(line.encode() + b"\n")
+                child.stdin.flush()
+            answer = child.stdout.readline()
+        finally:
+            _end(child)
+        if not answer:
+            raise RoomsegError(f"Blender: {_last_words(log, child.returncode)}")
+    fields: dict[str, Any] = json.loads(answer)
+    if "error" in fields:
+        raise RoomsegError(fields["error"])
+    return fields
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """Let the child go by closing its input."""
+    assert child.stdin is not None and child.stdout is not None
+    with suppress(BrokenPipeError):
+        child.stdin.close()
+    try:
+        child.wait(10.0)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.wait()
+    child.stdout.close()
+
+
+def _last_words(log: IO[bytes], status: int) -> str:
+    log.seek(0)
+    lines = log.read().decode(errors="replace").strip().splitlines()
+    return f"the process ended with {status}: {' '.join(lines[-1:])}"
+
+
+def _perform(line: str) -> dict[str, Any]:
+    """Do what the line asks for; an error that a user can cause becomes the answer."""
+    request = json.loads(line)
+    module = importlib.import_module(f"render.{request['task']}")
+    try:
+        answer: dict[str, Any] = module.perform(load_bpy(), **request["arguments"])
+    except (RoomsegError, SceneError) as error:
+        return {"error": str(error)}
+    return answer
+
+
+def main() -> None:
+    """Serve one task; leaves the process without the interpreter's shutdown."""
+    channel = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    folder = os.environ["TMPDIR"] = tempfile.mkdtemp(prefix="roomseg-render-")
+    lines: SimpleQueue[str] = SimpleQueue()
+    Thread(target=read_lines, args=(lines, folder), daemon=True).start()
+    try:
+        answer = _perform(lines.get())
+        channel.write(json.dumps(answer).encode() + b"\n")
+        channel.flush()
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+        leave(folder, 1)
+    leave(folder, 0)
+
+
+if __name__ == "__main__":
+    main()
