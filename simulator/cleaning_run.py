@@ -71,7 +71,8 @@ def simulate(
         ``robot.time_limit``.
     """
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
-    world = World(obstacles(apartment, low=_FLOOR_GAP, high=robot.height))
+    solid = obstacles(apartment, low=_FLOOR_GAP, high=robot.height)
+    world = World(solid, sensor.maximum_range)
     pose = _start_pose(apartment, start)
     if not floor_region(apartment).covers(shapely.Point(pose[:2])):
         raise RoomsegError(

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from simulator.gridmap import CELL, GridMap
+from simulator.gridcells import CELL, Covered
+from simulator.gridmap import GridMap
 from simulator.robot import RobotSpec
 
 __all__ = ["Entrance", "Frontier", "find_frontiers", "free_run", "propose_entrance"]
@@ -63,20 +64,14 @@ def find_frontiers(
     What is within 0.1 m of a place in ``tried`` (t, 2), m, is left out; the
     centre needs ``clearance`` m to known obstacles.
     """
-    cells = np.argwhere(grid.open_cells(clearance))
-    points = grid.centres(cells)
-    tree = cKDTree(nodes)
-    distance, _ = tree.query(points, distance_upper_bound=spec.cover_radius)
-    open_ = ~(distance <= spec.cover_radius)
-    if len(tried):
-        near, _ = cKDTree(tried).query(points, distance_upper_bound=0.1)
-        open_ &= ~np.isfinite(near)
-    mask = np.zeros(grid.seen.shape, np.uint8)
-    mask[tuple(cells[open_].T)] = 1
+    mask = grid.open_cells(clearance).astype(np.uint8)
+    grid.erase(mask, Covered(np.ascontiguousarray(nodes), spec.cover_radius))
+    grid.erase(mask, Covered(tried, 0.1))
     count, labels = cv2.connectedComponents(mask, connectivity=4)
+    cells = np.argwhere(mask)
+    points = grid.centres(cells)
     label = labels[tuple(cells.T)]
-    deep, node = tree.query(points[open_])
-    label, points = label[open_], points[open_]
+    deep, node = cKDTree(nodes).query(points)
     area = np.bincount(label, minlength=count) * CELL**2
     depth = np.zeros(count)
     np.maximum.at(depth, label, deep)
@@ -116,19 +111,10 @@ def free_run(
     array, shape (m,)
         m, in steps of 5 cm, at most 4 m.
     """
-    steps = np.arange(_STEP, _RUN_LIMIT, _STEP)
-    unit = np.array([np.cos(heading), np.sin(heading)])
-    samples = (points[:, None] + steps[:, None] * unit).reshape(-1, 2)
-    distance, _ = cKDTree(nodes).query(samples, distance_upper_bound=spec.overlap_radius)
-    free = ~(distance <= spec.overlap_radius) & grid.is_seen(samples)
-    index = np.flatnonzero(free)
-    blocked = grid.blocked_points(samples.min(axis=0), samples.max(axis=0), clearance)
-    if len(blocked) and len(index):
-        gap, _ = cKDTree(blocked).query(samples[index], distance_upper_bound=clearance)
-        free[index] &= ~np.isfinite(gap)
-    free = free.reshape(len(points), len(steps))
-    first = np.where(free.all(axis=1), len(steps), free.argmin(axis=1))
-    return np.asarray(first * _STEP)
+    steps = np.arange(1, round(_RUN_LIMIT / _STEP) + 1)[:, None] * _STEP
+    offsets = steps * np.array([np.cos(heading), np.sin(heading)])
+    covered = Covered(np.ascontiguousarray(nodes), spec.overlap_radius)
+    return grid.free_steps(np.ascontiguousarray(points), offsets, clearance, covered) * _STEP
 
 
 def propose_entrance(

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
+
+from simulator.compiled import compiled
 
 __all__ = ["MapGraph"]
 
@@ -73,28 +77,25 @@ class MapGraph:
 
     def visit(self, estimate: Floats, time: float, radius: float) -> None:
         """Record a visit of every node whose neighbourhood the robot now enters."""
-        gap = self.position - estimate[:2]
-        near = set(np.flatnonzero((gap * gap).sum(axis=1) <= radius**2).tolist())
-        self.visits.extend((time, node) for node in sorted(near - self._near))
+        near = set(_within(self._estimate, len(self), estimate[0], estimate[1], radius).tolist())
+        if not near <= self._near:
+            self.visits.extend((time, node) for node in sorted(near - self._near))
         self._near = near
 
     def distances(self, points: Floats, running_lane: int = -1) -> Floats:
         """Distance of points (m, 2) to the nearest node, m; without the running lane's if given."""
-        nodes = self.position
+        count = len(self)
         if running_lane >= 0 and self.lane and self.lane[-1] == running_lane:
             # A lane's nodes are consecutive, and only the running lane is left out.
-            nodes = nodes[: self.lane.index(running_lane)]
-        if len(nodes) == 0:
-            return np.full(len(points), np.inf)
-        gap = points[:, None] - nodes[None]
-        return np.asarray(np.sqrt((gap * gap).sum(axis=2).min(axis=1)))
+            count = self.lane.index(running_lane)
+        return _distances(self._estimate, count, np.ascontiguousarray(points))
 
     def within(self, point: Floats, radius: float) -> NDArray[np.int64]:
         """Nodes at most ``radius`` m from ``point``, nearest first."""
-        gap = self.position - point[:2]
-        squared = (gap * gap).sum(axis=1)
-        near = np.flatnonzero(squared <= radius**2)
-        return near[np.argsort(squared[near], kind="stable")]
+        near = _within(self._estimate, len(self), point[0], point[1], radius)
+        gap = self._estimate[near, :2] - point[:2]
+        order = np.argsort((gap * gap).sum(axis=1), kind="stable")
+        return np.asarray(near[order])
 
     def weights(self) -> csr_array:
         """Sparse matrix of edge lengths, m, shape (n, n)."""
@@ -115,3 +116,28 @@ class MapGraph:
             self.weights(), directed=False, indices=start, return_predecessors=True
         )
         return np.asarray(length), np.asarray(previous)
+
+
+@compiled
+def _within(nodes: Floats, count: int, x: float, y: float, radius: float) -> NDArray[np.int64]:
+    """Indices of the first ``count`` nodes that are at most ``radius`` m from a point."""
+    near = np.empty(count, np.int64)
+    found = 0
+    for k in range(count):
+        off_x, off_y = nodes[k, 0] - x, nodes[k, 1] - y
+        if off_x * off_x + off_y * off_y <= radius * radius:
+            near[found] = k
+            found += 1
+    return near[:found].copy()
+
+
+@compiled
+def _distances(nodes: Floats, count: int, points: Floats) -> Floats:
+    """Distance from points (m, 2) to the nearest of the first ``count`` nodes, m."""
+    distance = np.full(len(points), np.inf)
+    for i in range(len(points)):
+        for k in range(count):
+            off_x, off_y = nodes[k, 0] - points[i, 0], nodes[k, 1] - points[i, 1]
+            distance[i] = min(distance[i], off_x * off_x + off_y * off_y)
+        distance[i] = math.sqrt(distance[i])
+    return distance

@@ -14,25 +14,18 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator import gridcells
+from simulator.gridcells import CELL, Cells, Covered
+
 __all__ = ["CELL", "GridMap"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-CELL = 0.025
-"""m."""
-
 _BLOCK = 128
 """The grid grows by this many cells."""
-
-_HIT, _PASS, _CONTACT = 2, 1, 8
-"""What a laser point, a beam that passes and a contact add to or take from a cell's evidence."""
-_LOW, _HIGH, _BLOCKED = -2, 8, 2
-"""Limits of the evidence, and from where on a cell may count as an obstacle."""
 _RIM = 0.03
 """The rim of the body's disc says nothing: what it touches is an obstacle, m."""
-_SUPPORT = (7, 7)
-"""Cells in which a second point must support the first."""
 _MARGIN = 0.3
 """The grid reaches so much further than beams and body, m."""
 _SHY = 0.06
@@ -66,40 +59,25 @@ class GridMap:
         """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m)."""
         hit = np.isfinite(ranges)
         reach = np.where(hit, ranges - _SHY, free)
-        farthest = max(1.0, float(reach.max()))
-        self._hold(pose[:2], farthest + _MARGIN)
-        steps = np.arange(0.5 * CELL, farthest, CELL)
-        beam, step = np.nonzero(steps[None, :] < reach[:, None])
-        direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        passed = self.cells(pose[:2] + steps[step, None] * direction[beam])
-        x, y = passed[:, 0], passed[:, 1]
-        self.seen[x, y] = True
-        self.evidence[x, y] = np.maximum(self.evidence[x, y] - _PASS, _LOW)
-        self._mark(pose[:2] + ranges[hit, None] * direction[hit], _HIT)
+        self._hold(pose[:2], max(1.0, float(reach.max())) + _MARGIN)
+        gridcells.pass_beams(self._cells, pose, angles, reach)
+        direction = np.stack([np.cos(angles[hit]), np.sin(angles[hit])], axis=1)
+        self._mark(pose[:2] + ranges[hit, None] * direction, gridcells.HIT)
 
     def add_contact(self, pose: Floats, bearing: float, radius: float) -> None:
         """Enter a bumper contact at ``bearing`` rad from the heading."""
         angle = pose[2] + bearing
         point = pose[:2] + radius * np.array([np.cos(angle), np.sin(angle)])
-        self._mark(point[None], _CONTACT)
+        self._mark(point[None], gridcells.CONTACT)
 
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
         self._hold(pose[:2], 1.0 + _MARGIN)
-        reach = np.arange(-radius, radius, 0.8 * CELL)
-        x, y = np.meshgrid(reach, reach)
-        inside = np.hypot(x, y) < radius - _RIM
-        disc = np.column_stack([x[inside], y[inside]])
-        i, j = self.cells(pose[:2] + disc).T
-        self.seen[i, j] = True
-        self.evidence[i, j] = _LOW
+        gridcells.stand(self._cells, pose, radius - _RIM)
 
     def blocked_points(self, low: Floats, high: Floats, margin: float) -> Floats:
         """Centres of blocked cells in a box widened by ``margin``, m, shape (k, 2)."""
-        corner, patch = self._patch(low, high, margin)
-        window = np.s_[corner[0] : corner[0] + patch[0], corner[1] : corner[1] + patch[1]]
-        cells = np.argwhere(self.blocked(window)) + corner
-        return np.asarray(self.centres(cells))
+        return gridcells.blocked_points(self._cells, low, high, margin)
 
     def blocked(self, window: tuple[slice, slice] = np.s_[:, :]) -> Bools:
         """Which cells in a part of the grid count as obstacles.
@@ -108,10 +86,9 @@ class GridMap:
         for a second one within a few centimetres.
         """
         evidence = np.maximum(self.evidence[window], 0).astype(np.float32)
-        around = cv2.boxFilter(
-            evidence, -1, _SUPPORT, normalize=False, borderType=cv2.BORDER_CONSTANT
-        )
-        return np.asarray((evidence >= _BLOCKED) & (around >= 2 * _HIT))
+        size = (2 * gridcells.SUPPORT + 1, 2 * gridcells.SUPPORT + 1)
+        around = cv2.boxFilter(evidence, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+        return np.asarray((evidence >= gridcells.BLOCKED) & (around >= 2 * gridcells.HIT))
 
     def clearance(self, points: Floats, limit: float = 0.3) -> Floats:
         """Distance from points (n, 2) to the nearest known obstacle, m, at most ``limit``."""
@@ -136,16 +113,24 @@ class GridMap:
 
     def is_clear(self, start: Floats, end: Floats, clearance: float) -> bool:
         """Whether no known obstacle is nearer than ``clearance`` m to a segment."""
-        blocked = self.blocked_points(
-            np.minimum(start, end), np.maximum(start, end), clearance + CELL
-        )
-        if len(blocked) == 0:
-            return True
-        along = end - start
-        to_point = blocked - start
-        share = to_point @ along / max(float(along @ along), 1e-12)
-        gap = to_point - np.clip(share, 0.0, 1.0)[:, None] * along
-        return bool((gap * gap).sum(axis=1).min() >= clearance**2)
+        return gridcells.is_clear(self._cells, start, end, clearance)
+
+    def is_blocked_ahead(self, pose: Floats, distance: float, frontal: float) -> bool:
+        """Whether a known obstacle lies within ``distance`` m ahead of the centre.
+
+        Ahead is where the cosine of the bearing is above ``frontal``.
+        """
+        return gridcells.is_blocked_ahead(self._cells, pose, distance, frontal)
+
+    def free_steps(
+        self, points: Floats, offsets: Floats, clearance: float, covered: Covered
+    ) -> NDArray[np.int64]:
+        """How many of the successive ``offsets`` (s, 2), m, the centre may go from each point.
+
+        A place is free if it is seen, no known obstacle is nearer than
+        ``clearance`` m, and it is not covered. ``points`` (m, 2) m; shape (m,).
+        """
+        return gridcells.free_steps(self._cells, points, offsets, clearance, covered)
 
     def room(self, window: tuple[slice, slice] = np.s_[:, :]) -> Floats:
         """Distance of every cell in a part of the grid to known obstacles, m."""
@@ -157,18 +142,19 @@ class GridMap:
         """All cells that the centre may stand in, shape of the grid."""
         return np.asarray(self.seen & (self.room() >= clearance))
 
+    def erase(self, mask: NDArray[np.uint8], covered: Covered) -> None:
+        """Set a mask of the grid's shape to 0 where it is covered."""
+        gridcells.erase(mask, self._cells, covered)
+
+    @property
+    def _cells(self) -> Cells:
+        return Cells(self.evidence, self.seen, self.corner)
+
     def _mark(self, points: Floats, weight: int) -> None:
         x, y = self.cells(points).T
-        self.evidence[x, y] = np.minimum(np.maximum(self.evidence[x, y], 0) + weight, _HIGH)
-
-    def _patch(
-        self, low: Floats, high: Floats, margin: float
-    ) -> tuple[NDArray[np.int64], tuple[int, int]]:
-        """First cell and shape of the part of the grid that covers a box."""
-        box = self.cells(np.stack([low - margin, high + margin]))
-        box = np.clip(box, 0, np.array(self.seen.shape) - 1)
-        size = box[1] - box[0] + 1
-        return box[0], (int(size[0]), int(size[1]))
+        self.evidence[x, y] = np.minimum(
+            np.maximum(self.evidence[x, y], 0) + weight, gridcells.HIGH
+        )
 
     def _hold(self, point: Floats, margin: float) -> None:
         """Grow until everything within ``margin`` m of ``point`` is on the grid."""

@@ -9,10 +9,13 @@ the range. A missing spot cannot be told from a spot out of range.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from simulator.compiled import compiled
 
 __all__ = ["SensorSpec", "cast_beams", "measure"]
 
@@ -71,6 +74,7 @@ class SensorSpec:
         return np.arange(self.beams) * (2.0 * np.pi / self.beams)
 
 
+@compiled
 def cast_beams(origin: Floats, angles: Floats, walls: Floats) -> Floats:
     """Distance to the nearest wall along each beam.
 
@@ -92,17 +96,20 @@ def cast_beams(origin: Floats, angles: Floats, walls: Floats) -> Floats:
     array, shape (n,)
         m; ``inf`` where nothing is hit.
     """
-    if len(walls) == 0:
-        return np.full(len(angles), np.inf)
-    direction = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    along = walls[:, 1] - walls[:, 0]
-    offset = walls[:, 0] - origin
-    determinant = direction[:, :1] * along[:, 1] - direction[:, 1:] * along[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]) / determinant
-        u = (offset[:, 0] * direction[:, 1:] - offset[:, 1] * direction[:, :1]) / determinant
-    hit = (t >= 0.0) & (u >= -1e-12) & (u <= 1.0 + 1e-12)
-    return np.asarray(np.where(hit, t, np.inf).min(axis=1))
+    ranges = np.full(len(angles), np.inf)
+    for k in range(len(angles)):
+        beam_x, beam_y = math.cos(angles[k]), math.sin(angles[k])
+        for w in range(len(walls)):
+            along_x = walls[w, 1, 0] - walls[w, 0, 0]
+            along_y = walls[w, 1, 1] - walls[w, 0, 1]
+            determinant = beam_x * along_y - beam_y * along_x
+            if determinant != 0.0:
+                off_x, off_y = walls[w, 0, 0] - origin[0], walls[w, 0, 1] - origin[1]
+                t = (off_x * along_y - off_y * along_x) / determinant
+                u = (off_x * beam_y - off_y * beam_x) / determinant
+                if t >= 0.0 and -1e-12 <= u <= 1.0 + 1e-12:
+                    ranges[k] = min(ranges[k], t)
+    return ranges
 
 
 def measure(true_range: Floats, spec: SensorSpec, rng: np.random.Generator) -> Floats:

@@ -9,22 +9,17 @@ the map as a whole drifts with the odometry, as the paper's does.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.compiled import compiled
 from simulator.robot import RobotSpec, wrap
 
 __all__ = ["corrected_estimate"]
 
 Floats = NDArray[np.float64]
-
-
-def _rotate(vectors: Floats, angle: Floats) -> Floats:
-    """Rotate (n, 2) vectors by (n,) angles, rad."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack(
-        [c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1
-    )
 
 
 def corrected_estimate(
@@ -52,13 +47,34 @@ def corrected_estimate(
     k = len(node_estimates)
     if k == 0:
         return estimate
-    relative = _rotate(true_pose[:2] - node_true_poses[:, :2], -node_true_poses[:, 2])
-    relative += rng.normal(0.0, spec.correction_position_noise, (k, 2))
-    turned = true_pose[2] - node_true_poses[:, 2]
-    turned += rng.normal(0.0, spec.correction_heading_noise, k)
-    position = node_estimates[:, :2] + _rotate(relative, node_estimates[:, 2])
-    heading = node_estimates[:, 2] + turned - estimate[2]
-    heading = (heading + np.pi) % (2.0 * np.pi) - np.pi
-    gain = spec.correction_gain
-    shift = gain * (position.mean(axis=0) - estimate[:2])
-    return np.array([*(estimate[:2] + shift), wrap(estimate[2] + gain * float(heading.mean()))])
+    noise = rng.standard_normal((k, 3)) * (
+        spec.correction_position_noise,
+        spec.correction_position_noise,
+        spec.correction_heading_noise,
+    )
+    shift = _mean_difference(estimate, true_pose, node_estimates, node_true_poses, noise)
+    corrected = estimate + spec.correction_gain * shift
+    return np.array([corrected[0], corrected[1], wrap(corrected[2])])
+
+
+@compiled
+def _mean_difference(
+    estimate: Floats,
+    true_pose: Floats,
+    node_estimates: Floats,
+    node_true_poses: Floats,
+    noise: Floats,
+) -> Floats:
+    """From the estimate to the mean of noisy relative measurements, (3,) m, m, rad."""
+    shift = np.zeros(3)
+    for k in range(len(noise)):
+        there, here = node_true_poses[k], node_estimates[k]
+        gap_x, gap_y = true_pose[0] - there[0], true_pose[1] - there[1]
+        c, s = math.cos(there[2]), math.sin(there[2])
+        seen_x, seen_y = c * gap_x + s * gap_y + noise[k, 0], c * gap_y - s * gap_x + noise[k, 1]
+        c, s = math.cos(here[2]), math.sin(here[2])
+        shift[0] += here[0] + c * seen_x - s * seen_y - estimate[0]
+        shift[1] += here[1] + s * seen_x + c * seen_y - estimate[1]
+        turned = here[2] + true_pose[2] - there[2] + noise[k, 2] - estimate[2]
+        shift[2] += (turned + math.pi) % (2.0 * math.pi) - math.pi
+    return shift / len(noise)

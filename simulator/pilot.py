@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from enum import Enum, auto
 
@@ -20,8 +21,6 @@ Floats = NDArray[np.float64]
 _ATTEMPTS = 4
 """Plans that are tried for one journey."""
 
-_LOOK_AHEAD = 0.04
-"""Obstacles are looked up so far around the body, m."""
 _AHEAD = 0.01
 """A drive stops when the body is this near to a known obstacle, m, ..."""
 _FRONTAL = 0.7
@@ -67,7 +66,7 @@ class Pilot:
             error = wrap(heading - self.vehicle.estimate[2])
             if abs(error) < 0.01:
                 return
-            self._step(0.0, float(np.clip(error, -step, step)) / self.robot.time_step)
+            self._step(0.0, min(max(error, -step), step) / self.robot.time_step)
 
     def spin(self) -> None:
         """Look around once."""
@@ -103,15 +102,15 @@ class Pilot:
             After a glancing contact the line is moved aside, by so much in all, m.
         """
         line = (self.position if start is None else start).copy()
-        along = direction(heading)
+        along_x, along_y = math.cos(heading), math.sin(heading)
         while True:
-            offset = self.position - line
-            remaining = length - float(offset @ along)
+            x, y, _ = (self.vehicle.estimate - np.array([*line, 0.0])).tolist()
+            remaining = length - (x * along_x + y * along_y)
             if remaining < 0.004:
                 return End.ARRIVED
             if careful and self._is_blocked_ahead():
                 return End.BLOCKED
-            cross = float(along[0] * offset[1] - along[1] * offset[0])
+            cross = along_x * y - along_y * x
             if self._step(*self._steering(heading, cross, remaining)):
                 if dodge < _SIDESTEP or not self._is_glancing(heading):
                     return End.CONTACT
@@ -242,25 +241,18 @@ class Pilot:
     def _steering(self, heading: float, cross: float, remaining: float) -> tuple[float, float]:
         """Speed and turn rate that lead back to the line."""
         robot = self.robot
-        wanted = heading - float(np.arctan(4.0 * cross))
-        error = wrap(wanted - self.vehicle.estimate[2])
-        turn = float(np.clip(3.0 * error, -robot.turn_rate, robot.turn_rate))
-        speed = min(robot.speed, remaining / robot.time_step) * max(np.cos(error), 0.1)
-        return float(speed), turn
+        error = wrap(heading - math.atan(4.0 * cross) - float(self.vehicle.estimate[2]))
+        turn = min(max(3.0 * error, -robot.turn_rate), robot.turn_rate)
+        speed = min(robot.speed, remaining / robot.time_step) * max(math.cos(error), 0.1)
+        return speed, turn
 
     def _is_blocked_ahead(self) -> bool:
         """Whether a known obstacle is about to be touched by the body's front.
 
         What the body merely grazes is left to the bumper.
         """
-        pose = self.vehicle.estimate
-        here, limit = pose[:2], self.robot.radius + _LOOK_AHEAD
-        gap = self.vehicle.grid.blocked_points(here, here, limit) - here
-        if len(gap) == 0:
-            return False
-        distance = np.hypot(gap[:, 0], gap[:, 1])
-        frontal = gap @ direction(pose[2]) > _FRONTAL * distance
-        return bool((frontal & (distance < self.robot.radius + _AHEAD)).any())
+        distance = self.robot.radius + _AHEAD
+        return self.vehicle.grid.is_blocked_ahead(self.vehicle.estimate, distance, _FRONTAL)
 
     def _step(self, speed: float, turn_rate: float) -> bool:
         if self.vehicle.time > self.robot.time_limit:

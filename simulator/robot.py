@@ -13,6 +13,7 @@ estimate stays straight: the drift of a real wheel odometry.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -159,7 +160,7 @@ class RobotSpec:
 
 def wrap(angle: float) -> float:
     """The same angle in [-pi, pi)."""
-    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)
+    return float((angle + math.pi) % (2.0 * math.pi) - math.pi)
 
 
 def arc(pose: Floats, left: float, right: float, wheel_base: float) -> Floats:
@@ -178,15 +179,11 @@ def arc(pose: Floats, left: float, right: float, wheel_base: float) -> Floats:
     array, shape (3,)
     """
     turn = (right - left) / wheel_base
-    chord = 0.5 * (left + right) * float(np.sinc(turn / (2.0 * np.pi)))
-    middle = pose[2] + 0.5 * turn
-    return np.array(
-        [
-            pose[0] + chord * np.cos(middle),
-            pose[1] + chord * np.sin(middle),
-            wrap(pose[2] + turn),
-        ]
-    )
+    half = 0.5 * turn
+    chord = 0.5 * (left + right) * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+    middle = pose[2] + half
+    x, y = pose[0] + chord * math.cos(middle), pose[1] + chord * math.sin(middle)
+    return np.array([x, y, wrap(pose[2] + turn)])
 
 
 class WheelSlip:
@@ -195,15 +192,18 @@ class WheelSlip:
     def __init__(self, spec: RobotSpec, rng: np.random.Generator) -> None:
         self._spec = spec
         self._rng = rng
-        self._bias = rng.normal(0.0, spec.slip_bias, 2)
-        self._wander = np.zeros(2)
+        self._bias = tuple(rng.normal(0.0, spec.slip_bias, 2).tolist())
+        self._wander = (0.0, 0.0)
 
     def roll(self, left: float, right: float) -> tuple[float, float]:
         """True travel of both wheels, m, for the commanded travel, m."""
         spec = self._spec
-        travel = max(abs(left), abs(right))
-        keep = np.exp(-travel / spec.slip_memory)
-        fresh = self._rng.normal(0.0, spec.slip_noise * np.sqrt(1.0 - keep**2), 2)
-        self._wander = keep * self._wander + fresh
-        slip = 1.0 + self._bias + self._wander
-        return float(left * slip[0]), float(right * slip[1])
+        keep = math.exp(-max(abs(left), abs(right)) / spec.slip_memory)
+        spread = spec.slip_noise * math.sqrt(1.0 - keep * keep)
+        fresh = self._rng.standard_normal(2)
+        wander = [keep * w + spread * float(f) for w, f in zip(self._wander, fresh, strict=True)]
+        self._wander = (wander[0], wander[1])
+        return (
+            left * (1.0 + self._bias[0] + wander[0]),
+            right * (1.0 + self._bias[1] + wander[1]),
+        )

@@ -79,7 +79,7 @@ class Vehicle:
             self.grid.add_contact(self.estimate, self.contact, self.robot.radius)
         self._sense()
         self.graph.visit(self.estimate, self.time, self.robot.visit_radius)
-        self._rows.append((self.time, *self._true, *self.estimate, float(self.lane)))
+        self._rows.append((self.time, *self._true.tolist(), *self.estimate.tolist(), self.lane))
         return bearing is not None
 
     def add_node(self, part: int, lane: int) -> int:
@@ -108,7 +108,7 @@ class Vehicle:
         # No need to look again while the way since the last look was shorter than the gap.
         self._gap -= abs(left) + abs(right)
         if self._gap < radius:
-            self._gap = self._world.nearest(target)[0]
+            self._gap = self._world.nearest(target[0], target[1])[0]
         if self._gap >= radius:
             self._true = target
             return 1.0, None
@@ -116,9 +116,9 @@ class Vehicle:
         for _ in range(10):
             share = 0.5 * (low + high)
             tried = arc(self._true, share * rolled[0], share * rolled[1], base)
-            free = self._world.nearest(tried)[0] >= radius
+            free = self._world.nearest(tried[0], tried[1])[0] >= radius
             low, high = (share, high) if free else (low, share)
-        direction = self._world.nearest(target)[1]
+        direction = self._world.nearest(target[0], target[1])[1]
         self._true = arc(self._true, low * rolled[0], low * rolled[1], base)
         return low, direction - self._true[2]
 
@@ -132,7 +132,7 @@ class Vehicle:
 
     def _scan(self) -> None:
         reach = self.sensor.maximum_range
-        true_ranges = self._world.ranges(self._true, self._bearings, reach)
+        true_ranges = self._world.ranges(self._true, self._bearings)
         ranges = measure(true_ranges, self.sensor, self._rng)
         angles = self.estimate[2] + self._bearings
         self.grid.add_body(self.estimate, self.robot.radius)

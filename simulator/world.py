@@ -6,27 +6,36 @@ between 1 cm (what the robot cannot drive over) and the robot's height.
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from simulator.compiled import compiled
 from simulator.laser import cast_beams
 
 __all__ = ["World"]
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 _CELL = 0.25
 """Walls are looked up by cells of this size, m."""
+_REACH = 0.5
+"""How far the nearest obstacle is looked for, m."""
 
 
 class World:
-    """True obstacles as wall segments with a lazily filled cell index.
+    """True obstacles as wall segments, looked up by cells.
 
     Parameters
     ----------
     obstacles : shapely geometry
         Solid footprints, m.
+    maximum_range : float
+        Of the longest beam that will be cast, m.
 
     Raises
     ------
@@ -34,7 +43,7 @@ class World:
         If there is no obstacle at all: the robot would drive for ever.
     """
 
-    def __init__(self, obstacles: shapely.Geometry) -> None:
+    def __init__(self, obstacles: shapely.Geometry, maximum_range: float = 1.0) -> None:
         rings = shapely.get_rings(shapely.get_parts(shapely.normalize(obstacles)))
         points = [shapely.get_coordinates(ring) for ring in rings]
         if not points:
@@ -44,43 +53,77 @@ class World:
         )
         self.solid = obstacles
         shapely.prepare(self.solid)
-        self._tree = shapely.STRtree(shapely.linestrings(self.walls))
-        self._cache: dict[tuple[int, int, float], Floats] = {}
+        self.maximum_range = maximum_range
+        self._near = _by_cell(self.walls, _REACH)
+        self._seen = _by_cell(self.walls, maximum_range)
 
-    def near(self, point: Floats, reach: float) -> Floats:
-        """Walls that may be within ``reach`` m of ``point``, shape (w, 2, 2)."""
-        cell = np.floor(point[:2] / _CELL)
-        key = (int(cell[0]), int(cell[1]), reach)
-        if key not in self._cache:
-            low = cell * _CELL - reach
-            box = shapely.box(*low, *(low + _CELL + 2.0 * reach))
-            self._cache[key] = self.walls[np.sort(self._tree.query(box))]
-        return self._cache[key]
-
-    def nearest(self, point: Floats, reach: float = 0.5) -> tuple[float, float]:
+    def nearest(self, x: float, y: float) -> tuple[float, float]:
         """Distance, m, and direction, rad, of the nearest obstacle.
 
-        Where nothing is within ``reach`` m, the distance is ``reach``.
+        Where nothing is within 0.5 m, the distance is 0.5 m and the direction 0.
         """
-        walls = self.near(point, reach)
-        if len(walls) == 0:
-            return reach, 0.0
-        start, along = walls[:, 0], walls[:, 1] - walls[:, 0]
-        to_point = point[:2] - start
-        share = (to_point * along).sum(axis=1) / (along * along).sum(axis=1)
-        gap = np.clip(share, 0.0, 1.0)[:, None] * along - to_point
-        squared = (gap * gap).sum(axis=1)
-        best = int(squared.argmin())
-        return min(float(np.sqrt(squared[best])), reach), float(
-            np.arctan2(gap[best, 1], gap[best, 0])
-        )
+        return _nearest(x, y, self._near)
 
-    def ranges(self, pose: Floats, bearings: Floats, reach: float) -> Floats:
-        """True ranges of beams from the centre, m; ``inf`` beyond ``reach``."""
-        ranges = cast_beams(pose[:2], pose[2] + bearings, self.near(pose, reach))
-        return np.where(ranges <= reach, ranges, np.inf)
+    def ranges(self, pose: Floats, bearings: Floats) -> Floats:
+        """True ranges of beams from the centre, m; ``inf`` beyond the maximum range."""
+        ranges = cast_beams(pose[:2], pose[2] + bearings, _walls_at(pose[0], pose[1], self._seen))
+        return np.where(ranges <= self.maximum_range, ranges, np.inf)
 
     def is_free(self, point: Floats, radius: float) -> bool:
         """Whether a body of ``radius`` m stands at ``point`` without touching."""
         place = shapely.Point(float(point[0]), float(point[1]))
         return bool(shapely.distance(self.solid, place) >= radius)
+
+
+class _Cells(NamedTuple):
+    """Walls by square cells; those of cell c = i · ny + j are ``walls[first[c] : first[c + 1]]``.
+
+    ``low`` (2,) m is the outer corner of cell (0, 0), ``shape`` (nx, ny).
+    """
+
+    walls: Floats
+    first: Ints
+    low: Floats
+    shape: Ints
+
+
+def _by_cell(walls: Floats, reach: float) -> _Cells:
+    """For every cell the walls (w, 2, 2) that may be within ``reach`` m of a point in it."""
+    ends = walls.reshape(-1, 2)
+    low = np.floor(ends.min(axis=0) / _CELL) * _CELL
+    shape = np.floor((ends.max(axis=0) - low) / _CELL).astype(np.int64) + 1
+    i, j = (index.ravel() for index in np.indices(tuple(shape)))
+    x, y = low[0] + i * _CELL, low[1] + j * _CELL
+    boxes = shapely.box(x - reach, y - reach, x + _CELL + reach, y + _CELL + reach)
+    lines = shapely.linestrings(walls)
+    cell, wall = shapely.STRtree(lines).query(boxes, predicate="intersects")
+    order = np.lexsort((wall, cell))
+    first = np.searchsorted(cell[order], np.arange(len(boxes) + 1))
+    return _Cells(walls[wall[order]], np.asarray(first, dtype=np.int64), low, shape)
+
+
+@compiled
+def _walls_at(x: float, y: float, cells: _Cells) -> Floats:
+    """Walls near a point (m); none outside the plan."""
+    i, j = math.floor((x - cells.low[0]) / _CELL), math.floor((y - cells.low[1]) / _CELL)
+    if not (0 <= i < cells.shape[0] and 0 <= j < cells.shape[1]):
+        return cells.walls[:0]
+    cell = i * cells.shape[1] + j
+    return cells.walls[cells.first[cell] : cells.first[cell + 1]]
+
+
+@compiled
+def _nearest(x: float, y: float, cells: _Cells) -> tuple[float, float]:
+    """Distance and direction of the nearest wall; see `World.nearest`."""
+    best, gap_x, gap_y = _REACH * _REACH, 1.0, 0.0
+    walls = _walls_at(x, y, cells)
+    for k in range(len(walls)):
+        along_x, along_y = walls[k, 1, 0] - walls[k, 0, 0], walls[k, 1, 1] - walls[k, 0, 1]
+        to_x, to_y = x - walls[k, 0, 0], y - walls[k, 0, 1]
+        share = (to_x * along_x + to_y * along_y) / (along_x * along_x + along_y * along_y)
+        share = min(max(share, 0.0), 1.0)
+        off_x, off_y = share * along_x - to_x, share * along_y - to_y
+        squared = off_x * off_x + off_y * off_y
+        if squared < best:
+            best, gap_x, gap_y = squared, off_x, off_y
+    return math.sqrt(best), math.atan2(gap_y, gap_x)

@@ -1,0 +1,224 @@
+"""The loops over the cells of the robot's local grid, as machine code.
+
+`simulator.gridmap` says what they are about. Points and poses are in m and rad.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.compiled import compiled
+
+__all__ = [
+    "BLOCKED",
+    "CELL",
+    "CONTACT",
+    "HIGH",
+    "HIT",
+    "LOW",
+    "SUPPORT",
+    "Cells",
+    "Covered",
+    "blocked_points",
+    "erase",
+    "free_steps",
+    "is_blocked_ahead",
+    "is_clear",
+    "pass_beams",
+    "stand",
+]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CELL = 0.025
+"""m."""
+
+HIT, PASS, CONTACT = 2, 1, 8
+"""What a laser point, a beam that passes and a contact add to or take from a cell's evidence."""
+LOW, HIGH, BLOCKED = -2, 8, 2
+"""Limits of the evidence, and from where on a cell may count as an obstacle."""
+SUPPORT = 3
+"""A second point must support the first, at most so many cells away either way."""
+
+
+class Cells(NamedTuple):
+    """The grid.
+
+    ``evidence`` (nx, ny) for and against an obstacle in a cell; ``seen`` (nx, ny): passed by a
+    beam or the body; ``corner`` (2,) m: the outer corner of cell (0, 0).
+    """
+
+    evidence: NDArray[np.int8]
+    seen: NDArray[np.bool_]
+    corner: Floats
+
+
+class Covered(NamedTuple):
+    """Discs of ``radius`` m around points (n, 2) m."""
+
+    points: Floats
+    radius: float
+
+
+@compiled
+def cell_at(cells: Cells, x: float, y: float) -> tuple[int, int]:
+    """Indices of the cell that a point lies in; they may be off the grid."""
+    i = math.floor((x - cells.corner[0]) / CELL)
+    return i, math.floor((y - cells.corner[1]) / CELL)
+
+
+@compiled
+def offset(cells: Cells, i: int, j: int, point: Floats) -> tuple[float, float]:
+    """From a point to the centre of a cell, m."""
+    x = cells.corner[0] + (i + 0.5) * CELL - point[0]
+    return x, cells.corner[1] + (j + 0.5) * CELL - point[1]
+
+
+@compiled
+def window(cells: Cells, low: Floats, high: Floats, margin: float) -> tuple[int, int, int, int]:
+    """Ranges i0..i1, j0..j1 (ends excluded) of the cells that a widened box covers."""
+    i0, j0 = cell_at(cells, low[0] - margin, low[1] - margin)
+    i1, j1 = cell_at(cells, high[0] + margin, high[1] + margin)
+    rows, columns = cells.seen.shape
+    return max(i0, 0), min(i1 + 1, rows), max(j0, 0), min(j1 + 1, columns)
+
+
+@compiled
+def pass_beams(cells: Cells, pose: Floats, angles: Floats, reach: Floats) -> None:
+    """Enter the beams' free parts: every cell on them is seen and less likely an obstacle."""
+    for k in range(len(angles)):
+        along_x, along_y = math.cos(angles[k]), math.sin(angles[k])
+        last = (-1, -1)
+        for n in range(math.ceil(reach[k] / CELL - 0.5)):
+            length = (n + 0.5) * CELL
+            i, j = cell_at(cells, pose[0] + length * along_x, pose[1] + length * along_y)
+            if (i, j) != last:
+                cells.seen[i, j] = True
+                cells.evidence[i, j] = max(cells.evidence[i, j] - PASS, LOW)
+                last = (i, j)
+
+
+@compiled
+def stand(cells: Cells, pose: Floats, radius: float) -> None:
+    """Enter a disc of free floor."""
+    i0, i1, j0, j1 = window(cells, pose, pose, radius)
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            x, y = offset(cells, i, j, pose)
+            if x * x + y * y < radius * radius:
+                cells.seen[i, j] = True
+                cells.evidence[i, j] = LOW
+
+
+@compiled
+def is_blocked(evidence: NDArray[np.int8], i: int, j: int) -> bool:
+    """Whether a cell counts as an obstacle; see `simulator.gridmap.GridMap.blocked`."""
+    if evidence[i, j] < BLOCKED:
+        return False
+    around = 0
+    rows, columns = evidence.shape
+    for x in range(max(i - SUPPORT, 0), min(i + SUPPORT + 1, rows)):
+        for y in range(max(j - SUPPORT, 0), min(j + SUPPORT + 1, columns)):
+            around += max(evidence[x, y], 0)
+    return around >= 2 * HIT
+
+
+@compiled
+def blocked_points(cells: Cells, low: Floats, high: Floats, margin: float) -> Floats:
+    """Centres of the blocked cells in a widened box, (k, 2) m."""
+    i0, i1, j0, j1 = window(cells, low, high, margin)
+    points = np.empty((max(i1 - i0, 0) * max(j1 - j0, 0), 2))
+    count = 0
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            if is_blocked(cells.evidence, i, j):
+                points[count, 0] = cells.corner[0] + (i + 0.5) * CELL
+                points[count, 1] = cells.corner[1] + (j + 0.5) * CELL
+                count += 1
+    return points[:count].copy()
+
+
+@compiled
+def is_clear(cells: Cells, start: Floats, end: Floats, clearance: float) -> bool:
+    """Whether no blocked cell is nearer than ``clearance`` m to a segment."""
+    along_x, along_y = end[0] - start[0], end[1] - start[1]
+    length = max(along_x * along_x + along_y * along_y, 1e-12)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    i0, i1, j0, j1 = window(cells, low, high, clearance + CELL)
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            if cells.evidence[i, j] >= BLOCKED:
+                x, y = offset(cells, i, j, start)
+                share = min(max((x * along_x + y * along_y) / length, 0.0), 1.0)
+                x, y = x - share * along_x, y - share * along_y
+                near = x * x + y * y < clearance * clearance
+                if near and is_blocked(cells.evidence, i, j):
+                    return False
+    return True
+
+
+@compiled
+def is_blocked_ahead(cells: Cells, pose: Floats, distance: float, frontal: float) -> bool:
+    """Whether a blocked cell lies ahead; see `simulator.gridmap.GridMap.is_blocked_ahead`."""
+    ahead_x, ahead_y = math.cos(pose[2]), math.sin(pose[2])
+    i0, i1, j0, j1 = window(cells, pose, pose, distance)
+    for i in range(i0, i1):
+        for j in range(j0, j1):
+            if cells.evidence[i, j] >= BLOCKED:
+                x, y = offset(cells, i, j, pose)
+                gap = math.sqrt(x * x + y * y)
+                near = gap < distance and x * ahead_x + y * ahead_y > frontal * gap
+                if near and is_blocked(cells.evidence, i, j):
+                    return True
+    return False
+
+
+@compiled
+def is_open(cells: Cells, place: Floats, clearance: float) -> bool:
+    """Whether the centre may stand at a place: seen, no blocked cell within ``clearance``."""
+    i, j = cell_at(cells, place[0], place[1])
+    rows, columns = cells.seen.shape
+    if not (0 <= i < rows and 0 <= j < columns and cells.seen[i, j]):
+        return False
+    return is_clear(cells, place, place, clearance)
+
+
+@compiled
+def free_steps(
+    cells: Cells, points: Floats, offsets: Floats, clearance: float, covered: Covered
+) -> Ints:
+    """See `simulator.gridmap.GridMap.free_steps`."""
+    steps = np.zeros(len(points), np.int64)
+    limit = covered.radius * covered.radius
+    for k in range(len(points)):
+        for n in range(len(offsets)):
+            place = points[k] + offsets[n]
+            free = is_open(cells, place, clearance)
+            for m in range(len(covered.points)):
+                x, y = covered.points[m, 0] - place[0], covered.points[m, 1] - place[1]
+                free = free and x * x + y * y > limit
+                if not free:
+                    break
+            if not free:
+                break
+            steps[k] = n + 1
+    return steps
+
+
+@compiled
+def erase(mask: NDArray[np.uint8], cells: Cells, covered: Covered) -> None:
+    """See `simulator.gridmap.GridMap.erase`."""
+    limit = covered.radius * covered.radius
+    for k in range(len(covered.points)):
+        point = covered.points[k]
+        i0, i1, j0, j1 = window(cells, point, point, covered.radius)
+        for i in range(i0, i1):
+            for j in range(j0, j1):
+                x, y = offset(cells, i, j, point)
+                if x * x + y * y <= limit:
+                    mask[i, j] = 0
