@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -36,6 +37,9 @@ class CoverageReport:
         within ``near`` m of the driven path, 0..1.
     path_length, path_per_m2 : float
         m, and m per m² of total floor area.
+    shortest_path : float
+        Bound from below, m: free area over lane spacing. The free area is what the
+        body can sweep: all within its radius of a position that its centre can reach.
     turns : float
         Full turns (360°) made in all.
     overlap : float
@@ -56,6 +60,7 @@ class CoverageReport:
     coverage: float
     path_length: float
     path_per_m2: float
+    shortest_path: float
     turns: float
     overlap: float
     duration: float
@@ -65,7 +70,12 @@ class CoverageReport:
 
 
 def coverage_report(
-    topomap: TopoMap, apartment: Apartment, *, near: float = 0.2, spacing: float = 0.05
+    topomap: TopoMap,
+    apartment: Apartment,
+    *,
+    near: float = 0.2,
+    spacing: float = 0.05,
+    lane_spacing: float = 0.30,
 ) -> CoverageReport:
     """Judge a simulated run by the plan that it was made in.
 
@@ -78,6 +88,8 @@ def coverage_report(
         A position is covered if the driven path is this near, m.
     spacing : float
         Grid spacing of the positions, m.
+    lane_spacing : float
+        Of the robot, for the shortest possible path, m.
 
     Returns
     -------
@@ -104,6 +116,7 @@ def coverage_report(
         coverage=_coverage(track, reachable, near),
         path_length=float(steps.sum()),
         path_per_m2=float(steps.sum()) / area,
+        shortest_path=_swept_area(reachable, topomap.robot_radius, spacing) / lane_spacing,
         turns=float(np.abs(turned).sum() / (2.0 * np.pi)),
         overlap=_overlap(path, np.append(steps, 0.0)),
         duration=float(path.time[-1]),
@@ -117,6 +130,16 @@ def _coverage(track: Floats, reachable: Floats, near: float) -> float:
     line = shapely.linestrings(track) if len(track) > 1 else shapely.Point(track[0])
     shapely.prepare(line)
     return float(shapely.dwithin(line, shapely.points(reachable), near).mean())
+
+
+def _swept_area(reachable: Floats, radius: float, spacing: float) -> float:
+    """Area within ``radius`` m of the reachable grid points, m²."""
+    cells = np.round((reachable - reachable.min(axis=0)) / spacing).astype(np.int64)
+    margin = int(np.ceil(radius / spacing)) + 1
+    mask = np.ones(cells.max(axis=0) + 2 * margin + 1, np.uint8)
+    mask[tuple((cells + margin).T)] = 0
+    away = cv2.distanceTransform(mask, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * spacing
+    return float((away <= radius).sum()) * spacing**2
 
 
 def _overlap(path: Path, steps: Floats, near: float = 0.1, pause: float = 10.0) -> float:

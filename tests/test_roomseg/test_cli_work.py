@@ -176,7 +176,7 @@ def test_simulate_keeps_maps_that_are_there(folder, monkeypatch, capsys):
         calls.append(run.name)
         scene = run.apartment.model_dump_json()
         write_map(run.output, dataclasses.replace(flat("x", 0), seed=run.seed, scene=scene))
-        return run.output, CoverageReport(1, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, True, 0.0, 0.0)
+        return run.output, CoverageReport(1, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, True, 0.0, 0.0)
 
     monkeypatch.setattr("roomseg.cli.simulate._simulate", fake)
     succeed("simulate", "demo1", "--runs", "2", "-o", "maps")
