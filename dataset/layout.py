@@ -79,6 +79,8 @@ def _encode_nodes(group: h5py.Group, nodes: Nodes) -> None:
     _put(group, "lane", nodes.lane, "<i4")
     if nodes.true_pose is not None:
         _put(group, "true_pose", nodes.true_pose, "<f8", "m, m, rad")
+    if nodes.tilt is not None:
+        _put(group, "tilt", nodes.tilt, "<f8", "rad, rad")
 
 
 def _encode_path(group: h5py.Group, path: Path) -> None:
@@ -196,6 +198,7 @@ def _decode_nodes(file: h5py.File) -> Nodes:
         part=read(file, "nodes/part", "i"),
         lane=read(file, "nodes/lane", "i"),
         true_pose=read(file, "nodes/true_pose", "f") if "nodes/true_pose" in file else None,
+        tilt=read(file, "nodes/tilt", "f") if "nodes/tilt" in file else None,
     )
 
 

@@ -39,7 +39,8 @@ class Nodes:
 
     position (n, 2) m and heading (n,) rad are the robot's own estimates;
     part and lane (n,) are the indices of Algorithm 1, from 0; true_pose (n, 3) m, m,
-    rad is where the camera really was, or None for a real robot.
+    rad is where the camera really was, and tilt (n, 2) rad how it leaned: roll (left
+    side up) and pitch (front down). None for a real robot.
     """
 
     position: Floats
@@ -47,6 +48,7 @@ class Nodes:
     part: Ints
     lane: Ints
     true_pose: Floats | None = None
+    tilt: Floats | None = None
 
     def __post_init__(self) -> None:
         n = len(self.position)
@@ -60,6 +62,8 @@ class Nodes:
                 raise FormatError(f"nodes/{name}: {index.min()}, expected >= 0")
         if self.true_pose is not None:
             put(self, "true_pose", _check("nodes/true_pose", self.true_pose, np.float64, (n, 3)))
+        if self.tilt is not None:
+            put(self, "tilt", _check("nodes/tilt", self.tilt, np.float64, (n, 2)))
 
     def __len__(self) -> int:
         return len(self.position)

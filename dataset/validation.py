@@ -45,6 +45,7 @@ FIELDS = (
     _Field("nodes/part", "i", ("n",)),
     _Field("nodes/lane", "i", ("n",)),
     _Field("nodes/true_pose", "f", ("n", 3), "nodes/true_pose"),
+    _Field("nodes/tilt", "f", ("n", 2), "nodes/tilt"),
     _Field("visits", "V", ("v",)),
     _Field("edges", "i", ("e", 2)),
     _Field("obstacles/position", "f", ("k", 2)),

@@ -18,15 +18,13 @@ from scenes.solids import floor_region, obstacles
 from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
+from simulator.surfaces import DRIVEN_OVER, floor_covers, seen_surfaces
 from simulator.vehicle import Vehicle
 from simulator.world import World
 
 __all__ = ["simulate"]
 
 Floats = NDArray[np.float64]
-
-_FLOOR_GAP = 0.01
-"""What stands less than 1 cm high can be driven over, m."""
 
 
 def simulate(
@@ -71,8 +69,12 @@ def simulate(
         ``robot.time_limit``.
     """
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
-    solid = obstacles(apartment, low=_FLOOR_GAP, high=robot.height)
-    world = World(solid, sensor.maximum_range)
+    world = World(
+        obstacles(apartment, low=DRIVEN_OVER, high=robot.height),
+        seen_surfaces(apartment, sensor.height),
+        floor_covers(apartment),
+        maximum_range=sensor.maximum_range,
+    )
     pose = _start_pose(apartment, start)
     if not floor_region(apartment).covers(shapely.Point(pose[:2])):
         raise RoomsegError(
@@ -115,6 +117,7 @@ def _as_map(
             part=np.array(graph.part, dtype=np.int32),
             lane=np.array(graph.lane, dtype=np.int32),
             true_pose=truth,
+            tilt=graph.tilt.copy(),
         ),
         edges=edges,
         visits=Visits(

@@ -22,7 +22,7 @@ class MapGraph:
 
     def __init__(self) -> None:
         self._estimate = np.zeros((256, 3))
-        self._true_pose = np.zeros((256, 3))
+        self._true_pose = np.zeros((256, 5))
         self.part: list[int] = []
         self.lane: list[int] = []
         self.edges: list[tuple[int, int]] = []
@@ -45,12 +45,20 @@ class MapGraph:
     @property
     def true_pose(self) -> Floats:
         """True poses of all nodes, shape (n, 3); for the physics and the record only."""
-        return self._true_pose[: len(self)]
+        return self._true_pose[: len(self), :3]
+
+    @property
+    def tilt(self) -> Floats:
+        """True roll and pitch at all nodes, shape (n, 2), rad; for the record only."""
+        return self._true_pose[: len(self), 3:]
 
     def add_node(
         self, estimate: Floats, true_pose: Floats, part: int, lane: int, time: float
     ) -> int:
-        """Append a node, visited now; returns its index."""
+        """Append a node, visited now; returns its index.
+
+        ``estimate`` (3,) m, m, rad; ``true_pose`` (5,), with roll and pitch.
+        """
         node = len(self)
         if node == len(self._estimate):
             self._estimate = np.concatenate([self._estimate, np.zeros_like(self._estimate)])

@@ -1,23 +1,30 @@
-"""Eight laser beams seen by the camera: sparse, short, noisy ranges (§2.2.2).
+"""Laser beams seen by the camera: sparse, short, noisy ranges (§2.2.2).
 
 What the paper says: eight diodes on the chassis, found by the camera, detection
 up to 1 m, low refresh rate, sparse incorrect measurements. What it leaves open:
-bearings (here every 45°, the first ahead), rate, noise, drop-outs and false
-ranges. A camera triangulates the spot, so the error grows with the square of
-the range. A missing spot cannot be told from a spot out of range.
+bearings (here every 45°, the first ahead), height, rate, noise, drop-outs and
+false ranges.
+
+The camera triangulates the spot, so the error grows with the square of the range;
+on a slanted surface the spot is smeared along the beam, which adds with the tangent
+of the incidence. The camera's light from a spot goes with the surface's reflectance
+(in the lasers' red), the cosine of the incidence, and one over the range squared:
+far, dark and grazed surfaces are missed. A missing spot cannot be told from a spot
+out of range.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simulator.compiled import compiled
 
-__all__ = ["SensorSpec", "cast_beams", "measure"]
+__all__ = ["SensorSpec", "Spots", "cast_beams", "measure"]
 
 Floats = NDArray[np.float64]
 
@@ -30,16 +37,25 @@ class SensorSpec:
     ----------
     beams : int
         Evenly spaced bearings, the first one straight ahead.
+    bearings_deg : tuple of float, optional
+        Bearings of the beams instead, degrees counter-clockwise from ahead.
+    height : float
+        Of the beams above the floor, m: what is lower or hangs higher is not seen.
     maximum_range : float
         From the robot's centre, m.
     period : float
         Time between two measurements, s.
     range_noise, range_noise_quadratic : float
-        Standard deviation a + b·range², m.
-    dropout, dropout_far : float
-        Share of measurements that are missing (dark, shiny or sunlit
-        surfaces), right at the robot and at the maximum range; it grows with
-        the square of the range, as a spot's brightness falls with it.
+        Standard deviation a + b·range² at a surface that is hit squarely, m.
+    range_noise_slant : float
+        What is added to it for each unit of the incidence's tangent, m.
+    dropout : float
+        Share of the spots that are missed whatever their brightness (sunlight,
+        motion blur).
+    least_reflectance : float
+        A surface of this reflectance, hit squarely at the maximum range, is just
+        too dark to be seen, and so is a brighter one that is hit at a slant. The
+        share of missed spots grows evenly with the range squared up to there.
     false_rate : float
         Share of measurements with a wrong, uniformly distributed range.
     bumper_noise : float
@@ -47,36 +63,67 @@ class SensorSpec:
     """
 
     beams: int = 8
+    bearings_deg: tuple[float, ...] | None = None
+    height: float = 0.08
     maximum_range: float = 1.0
     period: float = 0.5
-    range_noise: float = 0.004
+    range_noise: float = 0.003
     range_noise_quadratic: float = 0.012
+    range_noise_slant: float = 0.002
     dropout: float = 0.2
-    dropout_far: float = 1.0
+    least_reflectance: float = 0.4
     false_rate: float = 0.003
     bumper_noise: float = 0.15
 
     def __post_init__(self) -> None:
         if not 1 <= self.beams <= 255:
             raise ValueError(f"beams: {self.beams}, expected 1..255")
-        for name in ("maximum_range", "period"):
-            if not getattr(self, name) > 0.0:
+        for name in ("maximum_range", "period", "least_reflectance"):
+            if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected > 0")
-        for name in ("dropout", "dropout_far", "false_rate"):
+        for name in ("dropout", "false_rate"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected 0..1")
-        for name in ("range_noise", "range_noise_quadratic", "bumper_noise"):
-            if not getattr(self, name) >= 0.0:
+        for name in _NOT_NEGATIVE:
+            if not 0.0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected >= 0")
+        if self.bearings_deg is not None and len(self.bearings_deg) != self.beams:
+            raise ValueError(
+                f"bearings_deg: {len(self.bearings_deg)} bearings, expected beams = {self.beams}"
+            )
 
     def bearings(self) -> Floats:
         """Beam bearings from the robot's heading, rad, shape (beams,)."""
+        if self.bearings_deg is not None:
+            return np.radians(np.array(self.bearings_deg, dtype=np.float64))
         return np.arange(self.beams) * (2.0 * np.pi / self.beams)
 
 
+_NOT_NEGATIVE = (
+    "height",
+    "range_noise",
+    "range_noise_quadratic",
+    "range_noise_slant",
+    "bumper_noise",
+)
+
+
+class Spots(NamedTuple):
+    """What the beams hit, shape (n,) each.
+
+    ``range`` m (``inf``: nothing), ``cosine`` of the incidence, ``reflectance`` of the surface.
+    """
+
+    range: Floats
+    cosine: Floats
+    reflectance: Floats
+
+
 @compiled
-def cast_beams(origin: Floats, angles: Floats, walls: Floats) -> Floats:
-    """Distance to the nearest wall along each beam.
+def cast_beams(
+    origin: Floats, angles: Floats, walls: Floats, reflectance: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Distance to the nearest wall along each beam, and how it is hit.
 
     Solves origin + t d = a + u (b - a) for every beam and wall; a hit has
     t >= 0 and 0 <= u <= 1. Beams parallel to a wall do not hit it: its end
@@ -90,13 +137,15 @@ def cast_beams(origin: Floats, angles: Floats, walls: Floats) -> Floats:
         Absolute beam directions, rad.
     walls : array, shape (w, 2, 2)
         End points, m.
+    reflectance : array, shape (w,)
+        Of the walls, 0..1.
 
     Returns
     -------
-    array, shape (n,)
-        m; ``inf`` where nothing is hit.
+    range, cosine, reflectance : array, shape (n,)
+        m; ``inf``, 1 and 1 where nothing is hit.
     """
-    ranges = np.full(len(angles), np.inf)
+    ranges, cosine, seen = np.full(len(angles), np.inf), np.ones(len(angles)), np.ones(len(angles))
     for k in range(len(angles)):
         beam_x, beam_y = math.cos(angles[k]), math.sin(angles[k])
         for w in range(len(walls)):
@@ -107,31 +156,38 @@ def cast_beams(origin: Floats, angles: Floats, walls: Floats) -> Floats:
                 off_x, off_y = walls[w, 0, 0] - origin[0], walls[w, 0, 1] - origin[1]
                 t = (off_x * along_y - off_y * along_x) / determinant
                 u = (off_x * beam_y - off_y * beam_x) / determinant
-                if t >= 0.0 and -1e-12 <= u <= 1.0 + 1e-12:
-                    ranges[k] = min(ranges[k], t)
-    return ranges
+                if 0.0 <= t < ranges[k] and -1e-12 <= u <= 1.0 + 1e-12:
+                    ranges[k] = t
+                    cosine[k] = abs(determinant) / math.hypot(along_x, along_y)
+                    seen[k] = reflectance[w]
+    return ranges, cosine, seen
 
 
-def measure(true_range: Floats, spec: SensorSpec, rng: np.random.Generator) -> Floats:
+def measure(spots: Spots, spec: SensorSpec, rng: np.random.Generator) -> Floats:
     """What the camera makes of the beams: noise, drop-outs, false ranges.
 
     Parameters
     ----------
-    true_range : array, shape (beams,)
-        m; ``inf`` or beyond the maximum range: nothing to see.
+    spots : Spots
+        Of all beams; a range of ``inf`` or beyond the maximum: nothing to see.
 
     Returns
     -------
     array, shape (beams,)
         Measured range, m; ``nan`` where no spot was found.
     """
-    n = len(true_range)
+    n = len(spots.range)
     noise = rng.standard_normal(n)
-    chance = rng.random((2, n))
-    wrong = rng.uniform(0.15, 1.0, n) * spec.maximum_range
-    near = np.minimum(true_range, spec.maximum_range)
-    measured = near + noise * (spec.range_noise + spec.range_noise_quadratic * near**2)
-    missing = spec.dropout + (spec.dropout_far - spec.dropout) * (near / spec.maximum_range) ** 2
-    seen = (true_range <= spec.maximum_range) & (chance[0] >= missing)
-    measured = np.where(seen & (measured <= spec.maximum_range), measured, np.nan)
-    return np.where(chance[1] < spec.false_rate, wrong, measured)
+    chance = rng.random((3, n))
+    near = np.minimum(spots.range, spec.maximum_range)
+    cosine = np.maximum(spots.cosine, 0.05)
+    spread = spec.range_noise + spec.range_noise_quadratic * near**2
+    spread += spec.range_noise_slant * np.sqrt(1.0 / cosine**2 - 1.0)
+    measured = near + noise * spread
+    # 1 where the spot is as dim as one can be: on the least reflectance, squarely, at the limit.
+    dimness = spec.least_reflectance * (near / spec.maximum_range) ** 2
+    dimness /= cosine * np.maximum(spots.reflectance, 1e-3)
+    seen = (spots.range <= spec.maximum_range) & (measured <= spec.maximum_range)
+    seen &= chance[0] < (1.0 - spec.dropout) * (1.0 - dimness)
+    wrong = (0.15 + 0.85 * chance[2]) * spec.maximum_range
+    return np.where(chance[1] < spec.false_rate, wrong, np.where(seen, measured, np.nan))

@@ -28,6 +28,7 @@ _POSITIVE = (
     "radius",
     "height",
     "wheel_base",
+    "castor",
     "speed",
     "turn_rate",
     "time_step",
@@ -45,8 +46,8 @@ class RobotSpec:
     ----------
     radius, height : float
         Of the body, m (§2).
-    wheel_base : float
-        Distance between the wheels, m.
+    wheel_base, castor : float
+        Distance between the wheels, and of the castor ahead of their axle, m.
     speed, turn_rate : float
         m/s and rad/s. Speed and laser rate together decide how many obstacle
         points fall within ε_τ of a node (Appendix A).
@@ -105,6 +106,7 @@ class RobotSpec:
     radius: float = 0.15
     height: float = 0.10
     wheel_base: float = 0.22
+    castor: float = 0.10
     speed: float = 0.16
     turn_rate: float = 1.2
     time_step: float = 0.125

@@ -84,7 +84,9 @@ class Vehicle:
 
     def add_node(self, part: int, lane: int) -> int:
         """Make a node where the robot stands."""
-        return self.graph.add_node(self.estimate, self._true, part, lane, self.time)
+        tilt = self._world.covers.tilt(self._true, self.robot.wheel_base, self.robot.castor)
+        pose = np.array([*self._true, *tilt])
+        return self.graph.add_node(self.estimate, pose, part, lane, self.time)
 
     def obstacles(self) -> Obstacles:
         """All laser points so far."""
@@ -132,8 +134,7 @@ class Vehicle:
 
     def _scan(self) -> None:
         reach = self.sensor.maximum_range
-        true_ranges = self._world.ranges(self._true, self._bearings)
-        ranges = measure(true_ranges, self.sensor, self._rng)
+        ranges = measure(self._world.spots(self._true, self._bearings), self.sensor, self._rng)
         angles = self.estimate[2] + self._bearings
         self.grid.add_body(self.estimate, self.robot.radius)
         self.grid.add_scan(self.estimate, angles, ranges, min(_FREE_WITHOUT_SPOT, reach))

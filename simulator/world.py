@@ -14,7 +14,8 @@ import shapely
 from numpy.typing import NDArray
 
 from simulator.compiled import compiled
-from simulator.laser import cast_beams
+from simulator.laser import Spots, cast_beams
+from simulator.surfaces import FloorCovers, Surfaces, boundary
 
 __all__ = ["World"]
 
@@ -28,12 +29,16 @@ _REACH = 0.5
 
 
 class World:
-    """True obstacles as wall segments, looked up by cells.
+    """What the body can touch, what the beams can hit, and what lies on the floor.
 
     Parameters
     ----------
     obstacles : shapely geometry
-        Solid footprints, m.
+        Solid footprints that the body cannot enter, m.
+    surfaces : Surfaces, optional
+        What there is at the height of the beams; default: the obstacles, white.
+    covers : FloorCovers, optional
+        Rugs and thresholds that the robot drives over; default: none.
     maximum_range : float
         Of the longest beam that will be cast, m.
 
@@ -43,19 +48,24 @@ class World:
         If there is no obstacle at all: the robot would drive for ever.
     """
 
-    def __init__(self, obstacles: shapely.Geometry, maximum_range: float = 1.0) -> None:
-        rings = shapely.get_rings(shapely.get_parts(shapely.normalize(obstacles)))
-        points = [shapely.get_coordinates(ring) for ring in rings]
-        if not points:
+    def __init__(
+        self,
+        obstacles: shapely.Geometry,
+        surfaces: Surfaces | None = None,
+        covers: FloorCovers | None = None,
+        *,
+        maximum_range: float = 1.0,
+    ) -> None:
+        walls = boundary(obstacles)
+        if len(walls) == 0:
             raise ValueError("obstacles: empty, expected walls around the floor")
-        self.walls: Floats = np.concatenate(
-            [np.stack([ring[:-1], ring[1:]], axis=1) for ring in points]
-        )
+        surfaces = surfaces or Surfaces(walls, np.ones(len(walls)))
         self.solid = obstacles
         shapely.prepare(self.solid)
         self.maximum_range = maximum_range
-        self._near = _by_cell(self.walls, _REACH)
-        self._seen = _by_cell(self.walls, maximum_range)
+        self.covers = covers or FloorCovers()
+        self._near = _by_cell(Surfaces(walls, np.ones(len(walls))), _REACH)
+        self._seen = _by_cell(surfaces, maximum_range)
 
     def nearest(self, x: float, y: float) -> tuple[float, float]:
         """Distance, m, and direction, rad, of the nearest obstacle.
@@ -64,10 +74,12 @@ class World:
         """
         return _nearest(x, y, self._near)
 
-    def ranges(self, pose: Floats, bearings: Floats) -> Floats:
-        """True ranges of beams from the centre, m; ``inf`` beyond the maximum range."""
-        ranges = cast_beams(pose[:2], pose[2] + bearings, _walls_at(pose[0], pose[1], self._seen))
-        return np.where(ranges <= self.maximum_range, ranges, np.inf)
+    def spots(self, pose: Floats, bearings: Floats) -> Spots:
+        """What beams from the centre truly hit; ``inf`` beyond the maximum range."""
+        walls, reflectance = _walls_at(pose[0], pose[1], self._seen)
+        spots = Spots(*cast_beams(pose[:2], pose[2] + bearings, walls, reflectance))
+        beyond = spots.range > self.maximum_range
+        return spots._replace(range=np.where(beyond, np.inf, spots.range))
 
     def is_free(self, point: Floats, radius: float) -> bool:
         """Whether a body of ``radius`` m stands at ``point`` without touching."""
@@ -82,41 +94,44 @@ class _Cells(NamedTuple):
     """
 
     walls: Floats
+    reflectance: Floats
     first: Ints
     low: Floats
     shape: Ints
 
 
-def _by_cell(walls: Floats, reach: float) -> _Cells:
-    """For every cell the walls (w, 2, 2) that may be within ``reach`` m of a point in it."""
-    ends = walls.reshape(-1, 2)
+def _by_cell(surfaces: Surfaces, reach: float) -> _Cells:
+    """For every cell the walls that may be within ``reach`` m of a point in it."""
+    ends = surfaces.walls.reshape(-1, 2)
     low = np.floor(ends.min(axis=0) / _CELL) * _CELL
     shape = np.floor((ends.max(axis=0) - low) / _CELL).astype(np.int64) + 1
     i, j = (index.ravel() for index in np.indices(tuple(shape)))
     x, y = low[0] + i * _CELL, low[1] + j * _CELL
     boxes = shapely.box(x - reach, y - reach, x + _CELL + reach, y + _CELL + reach)
-    lines = shapely.linestrings(walls)
+    lines = shapely.linestrings(surfaces.walls)
     cell, wall = shapely.STRtree(lines).query(boxes, predicate="intersects")
     order = np.lexsort((wall, cell))
-    first = np.searchsorted(cell[order], np.arange(len(boxes) + 1))
-    return _Cells(walls[wall[order]], np.asarray(first, dtype=np.int64), low, shape)
+    wall = wall[order]
+    first = np.searchsorted(cell[order], np.arange(len(boxes) + 1)).astype(np.int64)
+    return _Cells(surfaces.walls[wall], surfaces.reflectance[wall], first, low, shape)
 
 
 @compiled
-def _walls_at(x: float, y: float, cells: _Cells) -> Floats:
-    """Walls near a point (m); none outside the plan."""
+def _walls_at(x: float, y: float, cells: _Cells) -> tuple[Floats, Floats]:
+    """Walls near a point (m) and their reflectance; none outside the plan."""
     i, j = math.floor((x - cells.low[0]) / _CELL), math.floor((y - cells.low[1]) / _CELL)
     if not (0 <= i < cells.shape[0] and 0 <= j < cells.shape[1]):
-        return cells.walls[:0]
+        return cells.walls[:0], cells.reflectance[:0]
     cell = i * cells.shape[1] + j
-    return cells.walls[cells.first[cell] : cells.first[cell + 1]]
+    first, last = cells.first[cell], cells.first[cell + 1]
+    return cells.walls[first:last], cells.reflectance[first:last]
 
 
 @compiled
 def _nearest(x: float, y: float, cells: _Cells) -> tuple[float, float]:
     """Distance and direction of the nearest wall; see `World.nearest`."""
     best, gap_x, gap_y = _REACH * _REACH, 1.0, 0.0
-    walls = _walls_at(x, y, cells)
+    walls, _ = _walls_at(x, y, cells)
     for k in range(len(walls)):
         along_x, along_y = walls[k, 1, 0] - walls[k, 0, 0], walls[k, 1, 1] - walls[k, 0, 1]
         to_x, to_y = x - walls[k, 0, 0], y - walls[k, 0, 1]

@@ -11,7 +11,7 @@ from simulator.graph import MapGraph
 def chain(n=5, spacing=0.1):
     graph = MapGraph()
     for k in range(n):
-        graph.add_node(np.array([k * spacing, 0.0, 0.0]), np.zeros(3), 0, 0, float(k))
+        graph.add_node(np.array([k * spacing, 0.0, 0.0]), np.zeros(5), 0, 0, float(k))
         if k:
             graph.add_edge(k - 1, k)
     return graph
@@ -22,7 +22,7 @@ def test_shortest_path_over_a_shortcut():
     graph.add_edge(5, 0)
     length, previous = graph.routes(0)
     assert length[5] == pytest.approx(0.5, abs=1e-4)
-    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
+    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(5), 0, 1, 9.0)
     graph.add_edge(6, 5)
     assert graph.routes(0)[1][6] == 5
     assert previous[1] == 0
@@ -30,7 +30,7 @@ def test_shortest_path_over_a_shortcut():
 
 def test_a_node_without_an_edge_has_no_path():
     graph = chain(3)
-    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
+    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(5), 0, 1, 9.0)
     length, previous = graph.routes(0)
     assert length[3] == np.inf and previous[3] < 0 and previous[0] < 0
 
@@ -58,7 +58,7 @@ def test_many_nodes_grow_the_arrays():
 
 def test_distances_leave_out_a_lane():
     graph = chain(3)
-    graph.add_node(np.array([0.0, 0.3, 0.0]), np.zeros(3), 0, 7, 9.0)
+    graph.add_node(np.array([0.0, 0.3, 0.0]), np.zeros(5), 0, 7, 9.0)
     points = np.array([[0.0, 0.3]])
     assert graph.distances(points)[0] == 0.0
     assert graph.distances(points, running_lane=7)[0] == pytest.approx(0.3)

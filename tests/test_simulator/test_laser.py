@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulator.laser import SensorSpec, cast_beams, measure
+from simulator.laser import SensorSpec, Spots, cast_beams, measure
 
 
 def oracle(origin, angle, walls, reach=100.0):
@@ -27,50 +27,73 @@ def test_ranges_agree_with_shapely(seed, count):
     walls = rng.uniform(-3, 3, (count, 2, 2))
     origin, angles = rng.uniform(-1, 1, 2), rng.uniform(-np.pi, np.pi, 8)
     expected = [oracle(origin, angle, walls) for angle in angles]
-    np.testing.assert_allclose(cast_beams(origin, angles, walls), expected, atol=1e-7)
+    white = np.ones(len(walls))
+    np.testing.assert_allclose(cast_beams(origin, angles, walls, white)[0], expected, atol=1e-7)
 
 
 def test_a_square_room_by_hand():
     corners = np.array([[-1.0, -2.0], [3.0, -2.0], [3.0, 4.0], [-1.0, 4.0]])
     walls = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-    ranges = cast_beams(np.zeros(2), np.radians([0.0, 90.0, 180.0, 270.0, 45.0]), walls)
+    shade = np.array([0.1, 0.2, 0.3, 0.4])
+    angles = np.radians([0.0, 90.0, 180.0, 270.0, 45.0])
+    ranges, cosine, reflectance = cast_beams(np.zeros(2), angles, walls, shade)
     np.testing.assert_allclose(ranges, [3.0, 4.0, 1.0, 2.0, 3.0 * np.sqrt(2)])
+    np.testing.assert_allclose(cosine, [1.0, 1.0, 1.0, 1.0, np.sqrt(0.5)])
+    np.testing.assert_allclose(reflectance, [0.2, 0.3, 0.4, 0.1, 0.2])
 
 
 def test_nothing_to_hit():
-    assert np.isinf(cast_beams(np.zeros(2), np.zeros(3), np.zeros((0, 2, 2)))).all()
+    nothing = np.zeros((0, 2, 2)), np.zeros(0)
+    assert np.isinf(cast_beams(np.zeros(2), np.zeros(3), *nothing)[0]).all()
     behind = np.array([[[-1.0, -1.0], [-1.0, 1.0]]])
-    assert np.isinf(cast_beams(np.zeros(2), np.zeros(1), behind)).all()
+    assert np.isinf(cast_beams(np.zeros(2), np.zeros(1), behind, np.ones(1))[0]).all()
 
 
-def test_noise_grows_with_range():
-    spec = SensorSpec(dropout=0.0, dropout_far=0.0, false_rate=0.0)
+def spots(distance, count=20000, *, cosine=1.0, reflectance=1.0):
+    """The same spot many times."""
+    return Spots(*(np.full(count, float(value)) for value in (distance, cosine, reflectance)))
+
+
+BRIGHT = SensorSpec(dropout=0.0, least_reflectance=1e-9, false_rate=0.0)
+
+
+@pytest.mark.parametrize(("distance", "degrees"), [(0.2, 0.0), (0.8, 0.0), (0.2, 60.0)])
+def test_noise_grows_with_range_and_slant(distance, degrees):
+    slant = np.radians(degrees)
+    measured = measure(spots(distance, cosine=np.cos(slant)), BRIGHT, np.random.default_rng(0))
+    expected = BRIGHT.range_noise + BRIGHT.range_noise_quadratic * distance**2
+    expected += BRIGHT.range_noise_slant * np.tan(slant)
+    assert np.nanstd(measured) == pytest.approx(expected, rel=0.05)
+
+
+def test_dark_slanted_and_far_surfaces_are_missed():
+    spec = SensorSpec(dropout=0.2, least_reflectance=0.4, false_rate=0.0)
     rng = np.random.default_rng(0)
-    near = measure(np.full(20000, 0.2), spec, rng)
-    far = measure(np.full(20000, 0.8), spec, rng)
-    assert near.std() == pytest.approx(
-        spec.range_noise + spec.range_noise_quadratic * 0.04, rel=0.05
-    )
-    assert far.std() == pytest.approx(
-        spec.range_noise + spec.range_noise_quadratic * 0.64, rel=0.05
-    )
 
+    def missed(*args, **kwargs):
+        return np.isnan(measure(spots(*args, **kwargs), spec, rng)).mean()
 
-def test_missing_measurements_and_none_beyond_the_range():
-    spec = SensorSpec(dropout=0.2, dropout_far=0.6, false_rate=0.0)
-    rng = np.random.default_rng(0)
-    middle = measure(np.full(20000, 0.5 * spec.maximum_range), spec, rng)
-    assert np.isnan(middle).mean() == pytest.approx(0.3, abs=0.01)
-    assert np.isnan(measure(np.full(100, np.inf), spec, rng)).all()
-    assert np.isnan(measure(np.full(100, 1.2), spec, rng)).all()
+    # Found: 0.8 of what the brightness leaves, 1 - 0.4 r² / (cosine · reflectance).
+    assert missed(0.5, reflectance=0.8) == pytest.approx(1 - 0.8 * 0.875, abs=0.01)
+    assert missed(0.5, reflectance=0.2) == pytest.approx(1 - 0.8 * 0.5, abs=0.01)
+    assert missed(0.5, reflectance=0.2, cosine=0.5) == 1.0
+    assert missed(np.inf) == 1.0
+    assert missed(1.2) == 1.0
 
 
 def test_false_measurements_appear_where_nothing_is():
     spec = SensorSpec(false_rate=0.05)
-    ranges = measure(np.full(20000, np.inf), spec, np.random.default_rng(0))
+    ranges = measure(spots(np.inf), spec, np.random.default_rng(0))
     false = np.isfinite(ranges)
     assert false.mean() == pytest.approx(0.05, abs=0.005)
     assert ranges[false].min() >= 0.15 and ranges[false].max() <= spec.maximum_range
+
+
+def test_beams_of_another_arrangement():
+    spec = SensorSpec(beams=3, bearings_deg=(0.0, 30.0, -30.0))
+    np.testing.assert_allclose(spec.bearings(), np.radians([0.0, 30.0, -30.0]))
+    with pytest.raises(ValueError, match="bearings_deg: 3 bearings, expected beams = 8"):
+        SensorSpec(bearings_deg=(0.0, 1.0, 2.0))
 
 
 @pytest.mark.parametrize(

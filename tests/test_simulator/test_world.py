@@ -31,7 +31,7 @@ def test_ranges_see_through_nothing():
     world = World(SOLID)
     bearings = np.linspace(-np.pi, np.pi, 16, endpoint=False)
     for x, y in np.random.default_rng(1).uniform([0.2, 0.2], [3.8, 1.3], (40, 2)):
-        ranges = world.ranges(np.array([x, y, 0.3]), bearings)
+        ranges = world.spots(np.array([x, y, 0.3]), bearings).range
         for bearing, length in zip(bearings, np.minimum(ranges, 1.0), strict=True):
             end = (x + length * np.cos(0.3 + bearing), y + length * np.sin(0.3 + bearing))
             beam = shapely.linestrings([(x, y), end])

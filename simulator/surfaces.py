@@ -1,0 +1,129 @@
+"""What the beams hit and the wheels roll over: surfaces and floor covers of the true plan.
+
+The beams see what there is at their own height, which is not all that the body can
+touch: a cable on the floor is felt only, and a bar that hangs lower than the body is
+high may be below or above the beams. How bright a spot is depends on the surface;
+its reflectance is the red part of the material's colour, as the lasers are red. Of
+clear glass hardly anything comes back.
+
+Rugs and thresholds up to 1 cm are driven over; while a wheel or the castor stands on
+one, the robot, and its camera with it, is tilted.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from scenes.apartment import Apartment
+from scenes.materials import LAMP_PREFIX, resolve
+from scenes.solids import WALL, Prism, apartment_solids
+
+__all__ = ["DRIVEN_OVER", "FloorCovers", "Surfaces", "boundary", "floor_covers", "seen_surfaces"]
+
+Floats = NDArray[np.float64]
+
+_GLASS = 0.05
+"""Reflectance of clear glass."""
+_LAMP = 0.8
+"""Reflectance of a lamp's shade."""
+DRIVEN_OVER = 0.01
+"""What stands no higher is driven over, m."""
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """Upright surfaces in the plan: walls (w, 2, 2) m and their reflectance (w,), 0..1."""
+
+    walls: Floats
+    reflectance: Floats
+
+
+@dataclass(frozen=True)
+class FloorCovers:
+    """What lies on the floor: footprints and their heights, m."""
+
+    shapes: list[Polygon] = field(default_factory=list)
+    heights: list[float] = field(default_factory=list)
+
+    def height(self, points: Floats) -> Floats:
+        """Height of the floor at points (n, 2) m, shape (n,), m."""
+        height = np.zeros(len(points))
+        for shape, top in zip(self.shapes, self.heights, strict=True):
+            inside = shapely.intersects_xy(shape, points[:, 0], points[:, 1])
+            height[inside] = np.maximum(height[inside], top)
+        return height
+
+    def tilt(self, pose: Floats, wheel_base: float, castor: float) -> tuple[float, float]:
+        """Roll and pitch of a robot that stands on two wheels and a castor, rad.
+
+        Parameters
+        ----------
+        pose : array, shape (3,)
+            m, m, rad.
+        wheel_base, castor : float
+            Distance between the wheels, and of the castor ahead of their axle, m.
+
+        Returns
+        -------
+        roll, pitch : float
+            About the axis ahead (left side up) and about the axis to the left
+            (front down), rad.
+        """
+        if not self.shapes:
+            return 0.0, 0.0
+        ahead = np.array([math.cos(pose[2]), math.sin(pose[2])])
+        left = np.array([-ahead[1], ahead[0]]) * 0.5 * wheel_base
+        points = pose[:2] + np.stack([left, -left, castor * ahead])
+        left_height, right_height, front = self.height(points).tolist()
+        roll = math.atan2(left_height - right_height, wheel_base)
+        return roll, math.atan2(0.5 * (left_height + right_height) - front, castor)
+
+
+def boundary(region: shapely.Geometry) -> Floats:
+    """Sides of a region's polygons, (w, 2, 2) m, in an order that depends on its shape only."""
+    rings = shapely.get_rings(shapely.get_parts(shapely.normalize(region)))
+    sides = [
+        np.stack([ring[:-1], ring[1:]], axis=1) for ring in map(shapely.get_coordinates, rings)
+    ]
+    return np.concatenate(sides) if sides else np.zeros((0, 2, 2))
+
+
+def floor_covers(apartment: Apartment) -> FloorCovers:
+    """Rugs, mats and thresholds that the robot drives over."""
+    low = [p for p in apartment_solids(apartment) if p.bottom < DRIVEN_OVER / 2 and p.top > 0.0]
+    low = [prism for prism in low if prism.top <= DRIVEN_OVER]
+    return FloorCovers([p.footprint for p in low], [p.top for p in low])
+
+
+def seen_surfaces(apartment: Apartment, height: float) -> Surfaces:
+    """What beams at ``height`` m above the floor can hit."""
+    prisms = [p for p in apartment_solids(apartment) if p.bottom <= height < p.top]
+    walls = boundary(shapely.union_all([prism.footprint for prism in prisms]))
+    if len(walls) == 0:
+        return Surfaces(walls, np.zeros(0))
+    middle = shapely.points(walls.mean(axis=1))
+    outlines = shapely.boundary([prism.footprint for prism in prisms])
+    nearest = shapely.STRtree(outlines).nearest(middle)
+    return Surfaces(walls, _reflectance(apartment, [prisms[k] for k in nearest], middle))
+
+
+def _reflectance(apartment: Apartment, prisms: list[Prism], places: NDArray[np.object_]) -> Floats:
+    """Of each prism's material; walls take that of the nearest room."""
+    rooms = shapely.STRtree([Polygon(room.polygon) for room in apartment.rooms])
+    wall = [apartment.rooms[k].walls for k in rooms.nearest(places)]
+    names = [w if p.material == WALL else p.material for p, w in zip(prisms, wall, strict=True)]
+    known = {name: _of_material(apartment, name) for name in set(names)}
+    return np.array([known[name] for name in names])
+
+
+def _of_material(apartment: Apartment, name: str) -> float:
+    if name.startswith(LAMP_PREFIX):
+        return _LAMP
+    material = resolve(apartment, name)
+    return _GLASS if material.pattern == "glass" else material.colour[0]

@@ -1,0 +1,78 @@
+"""What the beams can see, and how rugs and thresholds tilt the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from scenes.apartment import Apartment, Block, Piece, Room, Start
+from simulator.surfaces import FloorCovers, floor_covers, seen_surfaces
+from simulator.world import World
+
+RING = Block(
+    polygon=((-0.2, -0.2), (4.2, -0.2), (4.2, 3.2), (-0.2, 3.2)),
+    holes=(((0, 0), (4, 0), (4, 3), (0, 3)),),
+)
+ROOM = Room(name="room", polygon=((0, 0), (4, 0), (4, 3), (0, 3)), walls="white_plaster")
+
+
+def room(*blocks, furniture=()):
+    return Apartment(
+        name="surfaces",
+        rooms=(ROOM,),
+        blocks=(RING, *blocks),
+        furniture=furniture,
+        start=Start(position=(0.5, 0.5)),
+    )
+
+
+def square(x, y, half, **fields):
+    corners = (
+        (x - half, y - half),
+        (x + half, y - half),
+        (x + half, y + half),
+        (x - half, y + half),
+    )
+    return Block(polygon=corners, **fields)
+
+
+def test_beams_see_what_is_at_their_height_only():
+    low = square(1.0, 1.0, 0.1, top=0.03, material="wood")
+    hanging = square(2.0, 1.0, 0.1, bottom=0.07, top=0.5, material="wood")
+    tall = square(3.0, 1.0, 0.1, top=0.5, material="plastic_black")
+    surfaces = seen_surfaces(room(low, hanging, tall), 0.05)
+    lines = shapely.multilinestrings(list(surfaces.walls))
+    for x, seen in ((1.0, False), (2.0, False), (3.0, True)):
+        assert lines.intersects(shapely.Point(x, 1.0).buffer(0.2)) == seen
+
+
+def test_reflectance_is_that_of_the_surface():
+    apartment = room(square(3.0, 1.0, 0.1, top=0.5, material="plastic_black"))
+    surfaces = seen_surfaces(apartment, 0.05)
+    world = World(shapely.box(9, 9, 10, 10), surfaces)
+    spots = world.spots(np.array([2.5, 1.0, 0.0]), np.radians([0.0, 90.0, 180.0]))
+    assert spots.range[0] == pytest.approx(0.4)
+    assert spots.reflectance[0] < 0.1
+    wall = world.spots(np.array([3.5, 2.5, 0.0]), np.zeros(1))
+    assert wall.range[0] == pytest.approx(0.5)
+    assert wall.reflectance[0] == pytest.approx(0.8, abs=0.05)
+
+
+def test_rugs_are_driven_over_and_tilt():
+    rug = Piece(kind="rug", position=(2.0, 1.5), size=(1.0, 1.0, 0.008))
+    covers = floor_covers(room(furniture=(rug,)))
+    assert covers.heights == [0.008]
+    # The left wheel on the rug's lower edge, driving along it.
+    roll, pitch = covers.tilt(np.array([2.0, 1.0, 0.0]), 0.22, 0.10)
+    assert roll == pytest.approx(np.arctan(0.008 / 0.22))
+    assert pitch == pytest.approx(np.arctan((0.004 - 0.008) / 0.10))
+    # Only the castor on it: nose up. Everything on it, or nothing: level.
+    roll, pitch = covers.tilt(np.array([1.45, 1.5, 0.0]), 0.22, 0.10)
+    assert (roll, pitch) == (0.0, pytest.approx(-np.arctan(0.008 / 0.10)))
+    assert covers.tilt(np.array([2.0, 1.5, 1.0]), 0.22, 0.10) == (0.0, 0.0)
+    assert covers.tilt(np.array([0.5, 0.5, 1.0]), 0.22, 0.10) == (0.0, 0.0)
+
+
+def test_without_covers_the_floor_is_level():
+    assert FloorCovers().tilt(np.zeros(3), 0.22, 0.10) == (0.0, 0.0)
