@@ -25,10 +25,12 @@ from scenes.mesh import Mesh, apartment_mesh
 __all__ = [
     "add_camera",
     "add_mesh",
+    "build_materials",
     "build_scene",
     "empty_scene",
     "place_camera",
     "render_window",
+    "surface_area",
     "surface_coordinates",
 ]
 
@@ -74,6 +76,7 @@ def add_mesh(
     scene: Any,
     shape: Mesh,
     materials: list[Any],
+    name: str = "apartment",
 ) -> Any:
     """One mesh object with a material slot per entry of ``materials``.
 
@@ -83,8 +86,10 @@ def add_mesh(
     scene : bpy.types.Scene
     shape : Mesh
     materials : list of bpy.types.Material
+    name : str
+        Of the object and its mesh.
     """
-    mesh = bpy.data.meshes.new("apartment")
+    mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(shape.vertices.tolist(), [], shape.triangles.tolist())
     for material in materials:
         mesh.materials.append(material)
@@ -93,7 +98,7 @@ def add_mesh(
     layer = mesh.uv_layers.new(name="metres")
     layer.data.foreach_set("uv", np.ascontiguousarray(uv, dtype=np.float32).ravel())
     mesh.update()
-    made = bpy.data.objects.new("apartment", mesh)
+    made = bpy.data.objects.new(name, mesh)
     scene.collection.objects.link(made)
     return made
 
@@ -152,17 +157,20 @@ def place_camera(camera_object: Any, pose: NDArray[np.float64], height: float) -
     camera_object.rotation_euler = (math.pi, 0.0, heading)
 
 
-def _materials(bpy: Any, apartment: Apartment, mesh: Mesh) -> list[Any]:
-    """Blender materials of the mesh's slots; the bodies of lamps that are on glow."""
-    corners = mesh.vertices[mesh.triangles]
+def surface_area(mesh: Mesh, slot: int) -> float:
+    """Area of all triangles with one material, m²; a speck if there are none."""
+    corners = mesh.vertices[mesh.triangles[mesh.material_index == slot]]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.linalg.norm(across, axis=1)
+    return max(0.5 * float(np.linalg.norm(across, axis=1).sum()), 1e-6)
+
+
+def build_materials(bpy: Any, apartment: Apartment, mesh: Mesh) -> list[Any]:
+    """Blender materials of the mesh's slots; the bodies of lamps that are on glow."""
     made = []
     for slot, name in enumerate(mesh.materials):
         if name.startswith(LAMP_PREFIX):
             lamp = int(name.removeprefix(LAMP_PREFIX))
-            surface = float(area[mesh.material_index == slot].sum())
-            radiance = lamp_radiance(apartment, lamp, max(surface, 1e-6))
+            radiance = lamp_radiance(apartment, lamp, surface_area(mesh, slot))
             if radiance > 0.0:
                 warmth = apartment.lamps[lamp].temperature
                 made.append(build_glow(bpy, name, warmth, radiance))
@@ -186,7 +194,7 @@ def build_scene(bpy: Any, apartment: Apartment, camera: FisheyeCamera) -> Any:
     """
     scene = empty_scene(bpy)
     mesh = apartment_mesh(apartment)
-    materials = _materials(bpy, apartment, mesh)
+    materials = build_materials(bpy, apartment, mesh)
     add_mesh(bpy, scene, mesh, materials)
     add_lighting(bpy, scene, apartment)
     add_camera(bpy, scene, camera)

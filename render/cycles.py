@@ -25,7 +25,14 @@ from dataset.errors import RoomsegError
 from render.blender import place_camera, render_window
 from render.presets import Preset
 
-__all__ = ["Device", "FrameSource", "configure", "luminance", "select_device"]
+__all__ = [
+    "Device",
+    "FrameSource",
+    "configure",
+    "luminance",
+    "render_through_file",
+    "select_device",
+]
 
 Device = Literal["auto", "cpu", "gpu"]
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
@@ -33,10 +40,18 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 GPU_KINDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 
 
-def configure(scene: Any, preset: Preset, threads: int | None = None) -> None:
-    """Set Cycles up for ``preset`` on ``threads`` threads (all, if None)."""
+def configure(
+    scene: Any, preset: Preset, threads: int | None = None, *, glass: bool = False
+) -> None:
+    """Set Cycles up for ``preset`` on ``threads`` threads (all, if None).
+
+    ``glass``: light goes through it. Our own panes are transparent and do not refract
+    (`render.shading`), foreign ones do.
+    """
     scene.render.engine = "CYCLES"
     _configure_sampling(scene.cycles, preset)
+    scene.cycles.transmission_bounces = preset.max_bounces if glass else 0
+    scene.cycles.caustics_refractive = glass
     _configure_denoising(scene, preset)
     render = scene.render
     render.use_persistent_data = True
@@ -50,6 +65,7 @@ def configure(scene: Any, preset: Preset, threads: int | None = None) -> None:
 
 def _configure_sampling(cycles: Any, preset: Preset) -> None:
     """Path tracing without the options that bias or only cost (docs/render.md)."""
+    cycles.shading_system = False  # no scripts as shaders
     cycles.samples = preset.samples
     cycles.use_adaptive_sampling = False
     cycles.time_limit = 0.0
@@ -58,10 +74,9 @@ def _configure_sampling(cycles: Any, preset: Preset) -> None:
     cycles.max_bounces = preset.max_bounces
     cycles.diffuse_bounces = min(preset.diffuse_bounces, preset.max_bounces)
     cycles.glossy_bounces = min(preset.glossy_bounces, preset.max_bounces)
-    cycles.transmission_bounces = 0
+    cycles.transparent_max_bounces = 16  # two for every pane in a row
     cycles.volume_bounces = 0
     cycles.caustics_reflective = False
-    cycles.caustics_refractive = False
     cycles.pixel_filter_type = "BOX"
     cycles.filter_width = 1.0
     cycles.film_exposure = 1.0
@@ -181,32 +196,13 @@ class FrameSource:
     def _render(self) -> NDArray[np.float32]:
         self._capture.pixels = None
         if not self._capture.works:
-            return self._render_file()
+            return render_through_file(self._bpy, self._scene)
         self._bpy.ops.render.render()
         if self._capture.pixels is None:
             if self._capture.works:
                 raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
-            return self._render_file()
+            return render_through_file(self._bpy, self._scene)
         return self._capture.pixels
-
-    def _render_file(self) -> NDArray[np.float32]:
-        """The fallback: through a float EXR in a temporary folder."""
-        render = self._scene.render
-        render.image_settings.file_format = "OPEN_EXR"
-        render.image_settings.color_depth = "32"
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "frame.exr"
-            render.filepath = str(path)
-            self._bpy.ops.render.render(write_still=True)
-            if not path.exists():
-                raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
-            image = self._bpy.data.images.load(str(path))
-            width, height = image.size
-            flat = np.empty(width * height * image.channels, dtype=np.float32)
-            image.pixels.foreach_get(flat)
-            channels = image.channels
-            self._bpy.data.images.remove(image)
-        return flat.reshape(height, width, channels)[::-1]
 
     def _in_image(self, square: NDArray[np.float32]) -> NDArray[np.float32]:
         """The rendered square at its place in the camera image; black elsewhere."""
@@ -224,6 +220,32 @@ class FrameSource:
         ]
         image[self._outside] = 0.0
         return image
+
+
+def render_through_file(bpy: Any, scene: Any) -> NDArray[np.float32]:
+    """Linear pixels (rows, columns, channels) of the scene's camera, through a float EXR.
+
+    Raises
+    ------
+    RoomsegError
+        If Blender returned without a picture.
+    """
+    render = scene.render
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "frame.exr"
+        render.filepath = str(path)
+        bpy.ops.render.render(write_still=True)
+        if not path.exists():
+            raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
+        image = bpy.data.images.load(str(path))
+        width, height = image.size
+        flat = np.empty(width * height * image.channels, dtype=np.float32)
+        image.pixels.foreach_get(flat)
+        channels = image.channels
+        bpy.data.images.remove(image)
+    return flat.reshape(height, width, channels)[::-1]
 
 
 def _wrap_engine(bpy: Any, capture: _Capture) -> None:

@@ -80,7 +80,8 @@ def render_map(
                 on_progress(len(journal.done), len(topomap.nodes))
             if not missing:
                 return 0
-            job = Job(apartment, camera, preset, threads, device, topomap.seed)
+            folder = str(Path(path).resolve().parent)
+            job = Job(apartment, camera, preset, threads, device, topomap.seed, folder)
             with RenderProcess(job) as process:
                 if on_device is not None:
                     on_device(process.device)

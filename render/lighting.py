@@ -4,7 +4,10 @@ The paper says only that some environments are lit mostly by interior lamps and
 others mostly through windows. Chosen here: 'interior' has all lamps on and the
 sky at dusk (a tenth), 'exterior' the lamps off, 'mixed' daylight with dimmed lamps
 (a tenth), since a sky of radiance 1 W/m²/sr brings only a few watts through a
-window. The exposure of §3.1 removes the common factor; only ratios matter.
+window. The exposure of §3.1 removes the common factor; only ratios matter. The watts of
+a lamp are those on the box of an incandescent bulb (13.4 lm each), and shine as if all
+of them were light: measured by them, a sky of 1 W/m²/sr in 'mixed' is one of 134 cd/m²,
+as around sunset, when lamps are on and windows still light a room.
 
 A lamp is its glowing body: every face of it shines, so that the ceiling around it is
 lit as well. Windows are open holes. The sky is only seen; what it sheds enters through
@@ -25,7 +28,7 @@ from shapely import Polygon
 from scenes.apartment import Apartment, Window
 from scenes.openings import place
 
-__all__ = ["SHARES", "add_lighting", "lamp_radiance", "window_frame"]
+__all__ = ["SHARES", "add_lighting", "add_outdoor_light", "lamp_radiance", "window_frame"]
 
 SHARES = {"interior": (1.0, 0.1), "exterior": (0.0, 1.0), "mixed": (0.1, 1.0)}
 """Share of the lamps' power and of the daylight, by `Lighting.source`."""
@@ -41,11 +44,18 @@ def add_lighting(bpy: Any, scene: Any, apartment: Apartment) -> None:
     light = apartment.lighting
     daylight = SHARES[light.source][1]
     _set_sky(bpy, scene, daylight * light.sky_strength)
-    if daylight == 1.0 and light.sun_strength > 0.0 and light.sun_elevation_deg > 0.0:
-        _add_sun(bpy, scene, apartment)
+    _add_sun(bpy, scene, apartment)
     if daylight * light.sky_strength > 0.0:
         for window in apartment.windows:
             _add_window(bpy, scene, apartment, window, daylight * light.sky_strength)
+
+
+def add_outdoor_light(bpy: Any, scene: Any, apartment: Apartment, *, sky: bool) -> None:
+    """Add the sun, and perhaps a sky that lights by itself, to a scene of unknown windows."""
+    _add_sun(bpy, scene, apartment)
+    if sky:
+        strength = SHARES[apartment.lighting.source][1] * apartment.lighting.sky_strength
+        _set_sky(bpy, scene, strength, lights=True)
 
 
 def lamp_radiance(apartment: Apartment, index: int, area: float) -> float:
@@ -65,8 +75,11 @@ def _add_light(bpy: Any, scene: Any, kind: str, name: str) -> Any:
 
 
 def _add_sun(bpy: Any, scene: Any, apartment: Apartment) -> None:
-    """The sun; its azimuth is counted counter-clockwise from +x like every bearing."""
+    """The sun, if it is up; its azimuth is counted counter-clockwise from +x."""
     light = apartment.lighting
+    by_day = SHARES[light.source][1] == 1.0
+    if not by_day or light.sun_strength <= 0.0 or light.sun_elevation_deg <= 0.0:
+        return
     made = _add_light(bpy, scene, "SUN", "sun")
     made.data.energy = light.sun_strength
     made.data.angle = SUN_DIAMETER
@@ -76,21 +89,24 @@ def _add_sun(bpy: Any, scene: Any, apartment: Apartment) -> None:
     made.rotation_euler = (0.0, zenith, np.radians(light.sun_azimuth_deg))
 
 
-def _set_sky(bpy: Any, scene: Any, strength: float) -> None:
-    """What is seen of the sky, W/m²/sr; it lights nothing, the window lights do."""
+def _set_sky(bpy: Any, scene: Any, strength: float, *, lights: bool = False) -> None:
+    """The sky, W/m²/sr; mostly it is only seen, and the window lights do the lighting."""
     world = bpy.data.worlds.new("sky")
     if world.node_tree is None:
         world.use_nodes = True
-    world.cycles.sampling_method = "NONE"
+    world.cycles.sampling_method = "AUTOMATIC" if lights else "NONE"
     scene.world = world
     tree = world.node_tree
     tree.nodes.clear()
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     background = tree.nodes.new("ShaderNodeBackground")
     tree.links.new(_sky_colour(tree, direction, upward=1.0), background.inputs["Color"])
-    path = tree.nodes.new("ShaderNodeLightPath")
-    seen = _math(tree, "MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Glossy Ray"])
-    tree.links.new(_math(tree, "MULTIPLY", seen, strength), background.inputs["Strength"])
+    if lights:
+        background.inputs["Strength"].default_value = strength
+    else:
+        path = tree.nodes.new("ShaderNodeLightPath")
+        seen = _math(tree, "MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Glossy Ray"])
+        tree.links.new(_math(tree, "MULTIPLY", seen, strength), background.inputs["Strength"])
     output = tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(background.outputs[0], output.inputs["Surface"])
 

@@ -32,7 +32,8 @@ PATIENCE_S = 10.0
 class Job:
     """What the child is to render: the first line that it reads.
 
-    ``threads`` None means all cores; frame i is sampled with ``seed`` + i.
+    ``threads`` None means all cores; frame i is sampled with ``seed`` + i. The
+    apartment's scene file, if it has one, is in ``folder``.
     """
 
     apartment: Apartment
@@ -41,6 +42,7 @@ class Job:
     threads: int | None = None
     device: Device = "auto"
     seed: int = 0
+    folder: str = "."
 
     def to_json(self) -> str:
         """One line of JSON."""
@@ -51,6 +53,7 @@ class Job:
             "threads": self.threads,
             "device": self.device,
             "seed": self.seed,
+            "folder": self.folder,
         }
         return json.dumps(fields)
 

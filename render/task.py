@@ -29,7 +29,7 @@ from scenes.errors import SceneError
 
 __all__ = ["Task", "main", "run_task"]
 
-Task = Literal["cutaway", "scene_import", "scene_export"]
+Task = Literal["cutaway", "piece_sheet", "scene_export", "scene_import"]
 """The module of `render` that has ``perform``."""
 
 

@@ -26,9 +26,10 @@ from typing import Any, BinaryIO, NoReturn
 import numpy as np
 
 from dataset.errors import RoomsegError
-from render.blender import build_scene
+from render.blender import add_camera, build_scene
 from render.cycles import FrameSource, configure, select_device
 from render.libraries import load_bpy
+from render.own_scene import open_own_scene
 from render.process import Job
 from scenes.errors import SceneError
 
@@ -39,8 +40,13 @@ def _prepare(line: str) -> tuple[FrameSource, str]:
     """Build the job's scene; the frame source and the device it uses."""
     job = Job.from_json(line)
     bpy = load_bpy()
-    scene = build_scene(bpy, job.apartment, job.camera)
-    configure(scene, job.preset, job.threads)
+    own = job.apartment.scene_file is not None
+    if own:
+        scene = open_own_scene(bpy, job.apartment, job.folder)
+        add_camera(bpy, scene, job.camera)
+    else:
+        scene = build_scene(bpy, job.apartment, job.camera)
+    configure(scene, job.preset, job.threads, glass=own)
     used = select_device(bpy, scene, job.device)
     return FrameSource(bpy, scene, job.camera, job.seed), used
 

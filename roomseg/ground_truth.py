@@ -7,12 +7,12 @@ between two lines belong to no room by the lines alone and take the label that
 the clustering gives them.
 
 Nobody looks at thousands of generated maps, so we confirm by rule. Without the
-border edges the graph falls into pieces. The largest ``room_count`` pieces are
-the rooms; the others are strips within passages, so that most of their nodes
-touch a border edge. A piece that has at least half of the smallest room's
-nodes but touches borders with less than half of its own is one room more than
-the operator counted: then the lines or the count are wrong, and that is an
-error. Otherwise each room must have one label of its own and no strip may be
+border edges the graph falls into pieces. Pieces of which at least half the nodes
+touch a border edge are taken for strips within passages; the largest
+``room_count`` pieces, strips last, are the rooms. Another piece that is no strip
+and has at least half of the smallest room's nodes is one room more than the
+operator counted: then the lines or the count are wrong, and that is an error.
+Otherwise each room must have one label of its own and no strip may be
 torn; if so, the clustering's labels stand. If the clustering misses that
 (k-means may), the pieces become the rooms, and each strip goes to the room to
 which border edges tie it most.
@@ -97,14 +97,15 @@ def _confirmed(
 ) -> Integers:
     """Confirm the clustering's labels, or take the pieces'; see the module's text."""
     piece, size = _pieces(graph, is_border)
-    by_size = np.argsort(-size, kind="stable")
+    touching = np.bincount(piece[np.unique(graph.edges[is_border])], minlength=len(size))
+    # A strip across a wide passage may have more nodes than a tiny room: strips come last.
+    by_size = np.lexsort((-size, 2 * touching >= size))
     name = f"{topomap.environment}/{topomap.run}"
     if len(size) < rooms:
         raise FormatError(
             f"{name}: ground_truth/borders cut the map into {len(size)} pieces, "
             f"expected at least the room_count {rooms}"
         )
-    touching = np.bincount(piece[np.unique(graph.edges[is_border])], minlength=len(size))
     surplus = (2 * touching < size) & (2 * size >= size[by_size[rooms - 1]])
     surplus[by_size[:rooms]] = False
     if surplus.any():

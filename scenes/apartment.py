@@ -72,8 +72,12 @@ class Material(_Model):
     second_colour: Colour | None = None
     """Grout, grain or weave; a darker shade of ``colour`` if absent."""
     size: Length = 0.2
-    """Size of one repeat (tile, board, weave), m."""
+    """Size of one repeat (tile, board, weave, motif), m."""
     roughness: Unit = 0.7
+    motif: Literal["stripes", "dots", "sprigs", "ogee"] = "stripes"
+    """What is printed on a wallpaper in the second colour."""
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = 0
+    """Moves the pattern by some metres: other boards, grain and mottling; 0: not at all."""
 
 
 class Skirting(_Model):
@@ -181,21 +185,24 @@ class Piece(_Model):
 
     ``position`` is the middle of the footprint; at ``rotation_deg`` 0 the back
     of the piece is towards +y. ``size`` is (width, depth, height), m; the
-    kind's default if absent. ``materials`` replaces slots of the kind.
+    kind's default if absent, as is ``elevation``, of its underside above the floor,
+    m: 0 but for what hangs. ``materials`` replaces slots of the kind.
     """
 
     kind: Name
     position: Point
     rotation_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
-    elevation: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    elevation: Annotated[float, Field(ge=0.0, le=10.0)] | None = None
     size: tuple[Length, Length, Length] | None = None
     materials: dict[str, Name] = Field(default_factory=dict)
 
 
 class Lamp(_Model):
-    """A lamp: a glowing body of ``power`` watts of light and a colour temperature.
+    """A lamp: a glowing body with a power and a colour temperature, K.
 
-    ``height`` is the underside above the floor, m; ``None``: flush with the ceiling.
+    ``power`` is in watts as on the box of an incandescent bulb, 13.4 lm each (60 W:
+    806 lm). ``height`` is the underside of the body above the floor, m; ``None``: that
+    of the kind, ceiling lamps flush with the ceiling.
     """
 
     kind: Literal["ceiling", "pendant", "floor", "table"] = "ceiling"

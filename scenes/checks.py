@@ -122,8 +122,9 @@ def _kinds(apartment: Apartment) -> Iterator[str]:
             yield f"{field}.materials: a {piece.kind} has no slot {slot!r}; {hint}"
         if not unknown:
             try:
-                for part in piece_parts(piece):
-                    Prism(part.footprint, part.bottom, part.top, part.slot)
+                size, slots = piece.size or kind.size, {slot: slot for slot in kind.slots}
+                for part in kind.build(*size, **slots):
+                    Prism(part.footprint, part.bottom, part.top, part.material)
             except ValueError as error:
                 yield f"{field}.size: {piece.size} is too small for a {piece.kind}: {error}"
 

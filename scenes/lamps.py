@@ -14,7 +14,7 @@ from shapely import Polygon
 
 from scenes.apartment import Apartment, Lamp
 from scenes.materials import LAMP_PREFIX
-from scenes.parts import Part, Span, disc
+from scenes.parts import Part, Span, cylinder
 
 __all__ = ["BODY_HEIGHT", "lamp_parts", "lamp_underside"]
 
@@ -42,7 +42,7 @@ def lamp_underside(apartment: Apartment, lamp: Lamp) -> float:
 
 
 def lamp_parts(apartment: Apartment, index: int) -> Iterator[Part]:
-    """Body, and cord or stand, of one lamp in the scene frame; ``slot`` is the material."""
+    """Body, and cord or stand, of one lamp in the scene frame."""
     lamp = apartment.lamps[index]
     low = lamp_underside(apartment, lamp)
     high = low + BODY_HEIGHT[lamp.kind]
@@ -60,4 +60,4 @@ def lamp_parts(apartment: Apartment, index: int) -> Iterator[Part]:
 
 
 def _disc(lamp: Lamp, radius: float, heights: Span, material: str, corners: int) -> Part:
-    return disc(lamp.position, (radius, radius), heights, material, corners)
+    return cylinder(lamp.position, (radius, radius), heights, material, corners)

@@ -20,7 +20,7 @@ from shapely import Polygon
 from scenes.apartment import Apartment
 from scenes.solids import WALL, Prism, apartment_solids, building_region
 
-__all__ = ["Mesh", "apartment_mesh", "prism_mesh"]
+__all__ = ["Mesh", "apartment_mesh", "prism_mesh", "solids_mesh"]
 
 FACADE = "facade"
 Floats = NDArray[np.float64]
@@ -58,7 +58,11 @@ def apartment_mesh(apartment: Apartment) -> Mesh:
     KeyError, ValueError
         As `scenes.solids.apartment_solids`.
     """
-    prisms = apartment_solids(apartment)
+    return solids_mesh(apartment, apartment_solids(apartment))
+
+
+def solids_mesh(apartment: Apartment, prisms: Sequence[Prism]) -> Mesh:
+    """Triangles of some solids of an apartment, such as those below a cut."""
     corners = shapely.points([xy for room in apartment.rooms for xy in room.polygon])
     shells = [
         _shell(
@@ -163,9 +167,9 @@ def _face_names(
     counts = [len(shell.triangles) for shell in shells]
     names = np.repeat(np.array([prism.material for prism in prisms], dtype="U80"), counts)
     is_wall = names == WALL
-    names[is_wall] = _wall_names(
-        apartment, np.concatenate([shell.outlook for shell in shells])[is_wall]
-    )
+    if is_wall.any():
+        outlook = np.concatenate([shell.outlook for shell in shells])
+        names[is_wall] = _wall_names(apartment, outlook[is_wall])
     return names
 
 

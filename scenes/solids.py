@@ -19,14 +19,16 @@ import numpy as np
 import shapely
 from shapely import MultiPolygon, Polygon
 
-from scenes.apartment import Apartment, Block, Passage, Room
+from scenes.apartment import Apartment, Block, Passage, Room, Window
 from scenes.lamps import lamp_parts
 from scenes.openings import Opening, lining_of, place
+from scenes.parts import Part
 from scenes.pieces import piece_parts
 
 __all__ = [
     "WALL",
     "Prism",
+    "SolidGroup",
     "apartment_solids",
     "block_footprint",
     "building_region",
@@ -38,6 +40,7 @@ __all__ = [
     "passage_rooms",
     "polygons",
     "rooms_region",
+    "solid_groups",
     "wall_region",
 ]
 
@@ -81,6 +84,20 @@ class Prism:
     def volume(self) -> float:
         """Volume, m³."""
         return float(self.footprint.area) * (self.top - self.bottom)
+
+
+@dataclass(frozen=True)
+class SolidGroup:
+    """What a person would call one thing: the walls, a ceiling, a sofa.
+
+    ``collection`` ('furniture') and ``name`` ('sofa 3') say what it is; ``pose``
+    (x m, y m, degrees) is where it is taken hold of, the origin for what is built in.
+    """
+
+    collection: str
+    name: str
+    prisms: tuple[Prism, ...]
+    pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def polygons(region: shapely.Geometry, smallest: float = 1e-7) -> list[Polygon]:
@@ -188,7 +205,19 @@ def apartment_solids(apartment: Apartment) -> list[Prism]:
     ValueError
         If a piece is too small for its parts.
     """
-    return [*_shell(apartment), *_contents(apartment)]
+    return [prism for group in solid_groups(apartment) for prism in group.prisms]
+
+
+def solid_groups(apartment: Apartment) -> list[SolidGroup]:
+    """Every solid of the apartment, by what it belongs to; empty groups are left out.
+
+    Raises
+    ------
+    KeyError
+        If a piece of furniture is of an unknown kind.
+    """
+    groups = [*_shell(apartment), *_contents(apartment)]
+    return [group for group in groups if group.prisms]
 
 
 def obstacles(apartment: Apartment, low: float = 0.01, high: float = 0.10) -> MultiPolygon:
@@ -220,43 +249,53 @@ def _prisms(region: shapely.Geometry, bottom: float, top: float, material: str) 
             yield Prism(polygon, bottom, top, material)
 
 
-def _shell(apartment: Apartment) -> Iterator[Prism]:
-    """Walls, passages, windows, floors and ceilings."""
+def _shell(apartment: Apartment) -> Iterator[SolidGroup]:
+    """Passages, windows, walls, floors, ceilings, skirting and blocks."""
     walls = wall_region(apartment)
     top = max(room.ceiling_height for room in apartment.rooms) + SLAB
     cutters = []
-    for passage in apartment.passages:
+    for index, passage in enumerate(apartment.passages):
         opening = place(apartment, passage.position, passage.width)
         cutters.append(cutter(opening, lining_of(passage)))
         cut = cutters[-1].intersection(walls)
-        yield from _passage(apartment, passage, opening, cut, top)
-    for window in apartment.windows:
+        parts = tuple(_passage(apartment, passage, opening, cut, top))
+        yield SolidGroup("passages", f"passage {index}", parts)
+    for index, window in enumerate(apartment.windows):
         opening = place(apartment, window.position, window.width)
         cutters.append(cutter(opening))
         cut = cutters[-1].intersection(walls)
-        yield from _prisms(cut, -SLAB, window.sill_height, WALL)
-        yield from _prisms(cut, window.head_height, top, WALL)
-        heights = (window.sill_height, window.head_height)
-        yield from _window_frame(opening, heights, window.frame)
+        yield SolidGroup("windows", f"window {index}", tuple(_window(window, opening, cut, top)))
     cuts = shapely.union_all(cutters)
     solid = walls.difference(cuts)
-    yield from _prisms(solid, -SLAB, top, WALL)
+    yield SolidGroup("walls", "walls", tuple(_prisms(solid, -SLAB, top, WALL)))
     for room in apartment.rooms:
-        yield from _slabs(room, solid, top)
-        yield from _skirting(room, solid, cuts)
-    for block in apartment.blocks:
+        floor, ceiling = _slabs(room, solid, top)
+        yield SolidGroup("floors", f"floor {room.name}", floor)
+        yield SolidGroup("ceilings", f"ceiling {room.name}", ceiling)
+        yield SolidGroup("skirting", f"skirting {room.name}", tuple(_skirting(room, solid, cuts)))
+    for index, block in enumerate(apartment.blocks):
         if not block.is_masonry:
             name = WALL if block.material is None else block.material
             height = top if block.top is None else block.top
-            yield Prism(block_footprint(block), block.bottom, height, name)
+            prism = Prism(block_footprint(block), block.bottom, height, name)
+            yield SolidGroup("blocks", f"block {index}", (prism,))
 
 
-def _slabs(room: Room, solid: shapely.Geometry, top: float) -> Iterator[Prism]:
+def _window(window: Window, opening: Opening, cut: shapely.Geometry, top: float) -> Iterator[Prism]:
+    """Wall below and above a window, and its frame."""
+    yield from _prisms(cut, -SLAB, window.sill_height, WALL)
+    yield from _prisms(cut, window.head_height, top, WALL)
+    yield from _window_frame(opening, (window.sill_height, window.head_height), window.frame)
+
+
+def _slabs(
+    room: Room, solid: shapely.Geometry, top: float
+) -> tuple[tuple[Prism, ...], tuple[Prism, ...]]:
     """Floor and ceiling of a room, reaching a little into the walls around it."""
     shape = Polygon(room.polygon)
     wide = shape.buffer(OVERLAP, join_style="mitre").intersection(solid).union(shape)
-    yield from _prisms(wide, -SLAB, 0.0, room.floor)
-    yield from _prisms(wide, room.ceiling_height, top, room.ceiling)
+    floor = tuple(_prisms(wide, -SLAB, 0.0, room.floor))
+    return floor, tuple(_prisms(wide, room.ceiling_height, top, room.ceiling))
 
 
 def _skirting(room: Room, solid: shapely.Geometry, cuts: shapely.Geometry) -> Iterator[Prism]:
@@ -320,20 +359,26 @@ def _window_frame(opening: Opening, heights: tuple[float, float], material: str)
     if head - sill < 4 * SASH or half < 2 * SASH:
         return
     uprights = [(-half, -half + SASH), (half - SASH, half)]
-    if opening.width > 1.0:
-        uprights.append((-SASH / 2, SASH / 2))
     for upright in uprights:
         yield Prism(opening.rectangle(upright, deep), sill, head, material)
+    if opening.width > 1.0:
+        middle = opening.rectangle((-SASH / 2, SASH / 2), deep)
+        yield Prism(middle, sill + SASH, head - SASH, material)
     bar = opening.rectangle((-half + SASH, half - SASH), deep)
     yield Prism(bar, sill, sill + SASH, material)
     yield Prism(bar, head - SASH, head, material)
 
 
-def _contents(apartment: Apartment) -> Iterator[Prism]:
-    """Furniture and lamp bodies."""
-    for piece in apartment.furniture:
-        for part in piece_parts(piece):
-            yield Prism(part.footprint, part.bottom, part.top, part.slot)
-    for index in range(len(apartment.lamps)):
-        for part in lamp_parts(apartment, index):
-            yield Prism(part.footprint, part.bottom, part.top, part.slot)
+def _contents(apartment: Apartment) -> Iterator[SolidGroup]:
+    """Furniture and lamps."""
+    for index, piece in enumerate(apartment.furniture):
+        prisms = tuple(_prism(part) for part in piece_parts(piece))
+        pose = (*piece.position, piece.rotation_deg)
+        yield SolidGroup("furniture", f"{piece.kind} {index}", prisms, pose)
+    for index, lamp in enumerate(apartment.lamps):
+        prisms = tuple(_prism(part) for part in lamp_parts(apartment, index))
+        yield SolidGroup("lamps", f"{lamp.kind} lamp {index}", prisms, (*lamp.position, 0.0))
+
+
+def _prism(part: Part) -> Prism:
+    return Prism(part.footprint, part.bottom, part.top, part.material)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from scenes.apartment import Apartment
 from scenes.checks import check
@@ -23,6 +24,8 @@ __all__ = [
     "load_apartment",
     "reference_names",
     "save_apartment",
+    "save_bytes",
+    "save_text",
 ]
 
 LINE = 96
@@ -94,11 +97,12 @@ def apartment_from_json(text: str, *, origin: str = "scene", checked: bool = Tru
     try:
         apartment = Apartment.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise SceneError(f"{origin}: {_describe(error)}") from None
+        faults = error.errors(include_url=False)
+        raise _refusal(origin, [_describe(fault) for fault in faults]) from None
     if checked:
         problems = list(check(apartment))
         if problems:
-            raise SceneError(f"{origin}: {problems[0]}{_others(len(problems) - 1)}")
+            raise _refusal(origin, problems)
     return apartment
 
 
@@ -115,12 +119,28 @@ def save_apartment(apartment: Apartment, path: str | Path) -> None:
     SceneError
         If the file cannot be written.
     """
+    save_text(apartment_to_json(apartment), path)
+
+
+def save_text(text: str, path: str | Path) -> None:
+    """Write a text file as `save_bytes` does, UTF-8."""
+    save_bytes(text.encode("utf-8"), path)
+
+
+def save_bytes(data: bytes, path: str | Path) -> None:
+    """Write a file; a crash leaves the old file or the new one, never half of it.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be written.
+    """
     target = Path(path)
     try:
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-                file.write(apartment_to_json(apartment))
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
             Path(temporary).chmod(0o644)
@@ -173,24 +193,23 @@ def _parse(text: str, origin: str) -> None:
         raise SceneError(f"{origin}: nested too deeply or a number too long") from None
 
 
-def _others(count: int) -> str:
-    return f" (and {count} more problem{'s' * (count > 1)})" if count else ""
+def _refusal(origin: str, problems: list[str]) -> SceneError:
+    """An error that says the first problem, how many more there are, and knows them all."""
+    more = len(problems) - 1
+    others = f" (and {more} more problem{'s' * (more > 1)})" if more else ""
+    return SceneError(f"{origin}: {problems[0]}{others}", problems)
 
 
-def _describe(error: ValidationError) -> str:
-    """The first fault of a validation error in one line."""
-    faults = error.errors(include_url=False)
-    first = faults[0]
-    place = _place(first["loc"]) or "the file"
-    if first["type"] == "extra_forbidden":
-        line = f"{place}: unknown field{_suggest(first['loc'])}"
-    elif first["type"] == "missing":
-        line = f"{place}: missing; expected a value"
-    else:
-        value = repr(first["input"])
-        value = value if len(value) <= 60 else value[:57] + "..."
-        line = f"{place}: {value}: {' '.join(first['msg'].split())}"
-    return line + _others(len(faults) - 1)
+def _describe(fault: ErrorDetails) -> str:
+    """One fault of a validation error in one line."""
+    place = _place(fault["loc"]) or "the file"
+    if fault["type"] == "extra_forbidden":
+        return f"{place}: unknown field{_suggest(fault['loc'])}"
+    if fault["type"] == "missing":
+        return f"{place}: missing; expected a value"
+    value = repr(fault["input"])
+    value = value if len(value) <= 60 else value[:57] + "..."
+    return f"{place}: {value}: {' '.join(fault['msg'].split())}"
 
 
 def _place(loc: tuple[int | str, ...]) -> str:

@@ -1,4 +1,4 @@
-"""``roomseg inspect``: what is in a map file."""
+"""``roomseg inspect``: what is in a map or an apartment."""
 
 from __future__ import annotations
 
@@ -9,29 +9,81 @@ from typing import TYPE_CHECKING
 import click
 
 from roomseg.cli.options import json_option
-from roomseg.cli.output import write_json
+from roomseg.cli.output import write_json, write_table
+from roomseg.cli.sources import is_apartment
 
 if TYPE_CHECKING:
     from dataset.inspection import Summary
+    from scenes.summary import ApartmentSummary
 
 EXAMPLE = """\b
 Example:
   roomseg inspect maps/sim4-run1.h5
   roomseg inspect maps/sim4-run1.h5 --json sim4-run1.json
+  roomseg inspect home7.json
 """
 
 
 @click.command("inspect", epilog=EXAMPLE)
-@click.argument("map_file", metavar="MAP", type=click.Path(path_type=Path))
+@click.argument("source", metavar="MAP|APARTMENT", type=click.Path(path_type=Path))
 @json_option
-def command(*, map_file: Path, json_file: Path | None) -> None:
-    """Show what is in a map file."""
-    from dataset import summarise
+def command(*, source: Path, json_file: Path | None) -> None:
+    """Show what is in a map file, or in an apartment (a file or a reference place)."""
+    if is_apartment(source):
+        _inspect_apartment(source, json_file)
+    else:
+        from dataset import summarise
 
-    summary = summarise(map_file)
-    write_json(json_file, asdict(summary))
-    for name, value in _lines(summary):
+        summary = summarise(source)
+        write_json(json_file, asdict(summary))
+        _echo(_lines(summary))
+
+
+def _echo(lines: list[tuple[str, str]]) -> None:
+    for name, value in lines:
         click.echo(f"{name:<14}{value}")
+
+
+def _inspect_apartment(source: Path, json_file: Path | None) -> None:
+    from scenes import load_apartment
+    from scenes.summary import summarise_apartment
+
+    summary = summarise_apartment(load_apartment(str(source)))
+    write_json(json_file, asdict(summary))
+    _echo(_apartment_lines(summary))
+    rows = [
+        (
+            room.name,
+            room.kind,
+            f"{room.area:.1f}",
+            f"{room.ceiling_height:.2f}",
+            f"{room.floor}, {room.walls}, {room.ceiling}",
+            ", ".join(room.passages_to),
+        )
+        for room in summary.rooms
+    ]
+    columns = ("room", "kind", "m²", "height m", "floor, walls, ceiling", "leads to")
+    write_table("", columns, rows)
+
+
+def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
+    s = summary
+    pieces = ", ".join(f"{count} {kind}" for kind, count in s.pieces.items())
+    passages = (
+        f"{s.passages}, {s.framed_passages} framed, {s.passages_without_lintel} without lintel; "
+        f"{s.closed_passages} closed, {s.borders_without_wall} borders without a wall"
+    )
+    return [
+        ("apartment", s.name),
+        *([("about", s.description)] if s.description else []),
+        ("rooms", f"{len(s.rooms)} on {s.floor_area:.1f} m², {s.free_area:.1f} m² free"),
+        ("passages", passages),
+        ("windows", str(s.windows)),
+        ("light", f"{s.lighting}, {s.lamps} lamps of {s.lamp_power:.0f} W in all"),
+        ("contrast", s.passageway_contrast),
+        ("pieces", f"{sum(s.pieces.values())}: {pieces}" if s.pieces else "none"),
+        ("3D scene", "its own solids" if s.scene_file is None else s.scene_file),
+    ]
 
 
 def _lines(summary: Summary) -> list[tuple[str, str]]:

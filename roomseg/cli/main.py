@@ -8,6 +8,7 @@ when it runs. `main` is the one place that catches errors of the user's.
 from __future__ import annotations
 
 import importlib
+import keyword
 import os
 import sys
 from collections.abc import Sequence
@@ -19,16 +20,21 @@ __all__ = ["cli", "main"]
 COMMANDS = {
     "demo": "All of it, small, in minutes.",
     "generate": "Make up an apartment.",
+    "import": "Make an apartment of a grid map, a floor plan or a 3D scene.",
+    "export": "Write an apartment for other programs.",
     "simulate": "Clean an apartment and record maps.",
     "render": "Add camera images to maps.",
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",
     "evaluate": "Judge the method, leaving each environment out once.",
-    "inspect": "Show what is in a map file.",
-    "validate": "Tell everything that is wrong with map files.",
-    "view": "Draw a map.",
+    "inspect": "Show what is in a map or an apartment.",
+    "validate": "Tell everything that is wrong with maps and apartments.",
+    "view": "Draw a map or an apartment.",
+    "replay": "Show a cleaning run as a film.",
 }
-"""In the order of the work; each is ``command`` of the module of its name."""
+"""In the order of the work; each is ``command`` of the module of its name.
+
+A name that is a word of Python has a line behind it there: ``import_``."""
 
 EXAMPLE = """\b
 Example:
@@ -53,7 +59,8 @@ class LazyGroup(click.Group):
         """Import the command's module."""
         if cmd_name not in COMMANDS:
             return None
-        command = importlib.import_module(f"roomseg.cli.{cmd_name}").command
+        module = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        command = importlib.import_module(f"roomseg.cli.{module}").command
         assert isinstance(command, click.Command)
         return command
 

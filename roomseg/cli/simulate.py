@@ -82,13 +82,16 @@ def command(
     """Clean APARTMENT and write one map file per run.
 
     APARTMENT is a file or the name of a reference place. Maps that are already
-    there are left alone, so that a stopped command can be called again.
+    there are left alone, so that a stopped command can be called again. If the
+    apartment has a 3D scene of its own, that is put beside the maps.
     """
     from scenes import load_apartment
+    from scenes.scene_file import take_scene_file
 
     _check_date(created)
     place = load_apartment(apartment)
     output.mkdir(parents=True, exist_ok=True)
+    take_scene_file(place, Path(apartment).parent, output)
     todo = []
     for number in range(1, runs + 1):
         path = output / f"{place.name}-run{number}.h5"

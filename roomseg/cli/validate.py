@@ -58,11 +58,21 @@ def _judge(files: tuple[Path, ...]) -> tuple[dict[str, list[str]], Exception | N
 
 def _problems(path: Path) -> list[str]:
     if path.suffix == ".json":
-        from scenes import check, load_apartment
-
-        return list(check(load_apartment(path, checked=False)))
+        return _problems_of_apartment(path)
     from dataset import problems
     from dataset.storage import open_map
 
     open_map(path).close()
     return list(problems(path))
+
+
+def _problems_of_apartment(path: Path) -> list[str]:
+    from scenes import SceneError, load_apartment
+
+    try:
+        load_apartment(path)
+    except SceneError as error:
+        if not error.problems:
+            raise
+        return list(error.problems)
+    return []

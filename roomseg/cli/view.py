@@ -1,129 +1,141 @@
-"""``roomseg view``: draw a map."""
+"""``roomseg view``: draw a map or an apartment."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from roomseg.cli.options import output_option
+from roomseg.cli.panels import SHOWN, map_panels
+from roomseg.cli.sources import is_apartment
 
 if TYPE_CHECKING:
-    from dataset import MapFile
+    from scenes import Apartment
 
-SHOWN = ("run", "obstacles", "graph", "truth", "rooms", "images")
-IMAGE_COUNT = 4
-
-Panel = Callable[[Any], None]
+DRAWINGS = (".png", ".svg", ".pdf")
+PHOTOS = (".png", ".jpg", ".jpeg")
 
 EXAMPLE = """\b
 Example:
-  roomseg view maps/sim4-run1.h5 -o sim4.png
+  roomseg view home7.json -o home7.pdf
+  roomseg view sim4 --cutaway -o sim4.jpg
   roomseg view maps/sim4-run1.h5 --show graph --show rooms -o rooms.png
 """
 
 
 @click.command("view", epilog=EXAMPLE)
-@click.argument("map_file", metavar="MAP", type=click.Path(path_type=Path))
-@output_option("The picture, PNG.")
+@click.argument("source", metavar="MAP|APARTMENT", type=click.Path(path_type=Path))
+@output_option("The picture: .png, .svg or .pdf; with --cutaway .png or .jpg.")
 @click.option(
     "--show",
     multiple=True,
     type=click.Choice(SHOWN),
-    help="What to draw; may be repeated. All that the map has if absent.",
+    help="What to draw of a map; may be repeated. All that it has if absent.",
 )
-@click.option("--dpi", type=click.IntRange(30, 1200), default=160, show_default=True)
-def command(*, map_file: Path, output: Path, show: tuple[str, ...], dpi: int) -> None:
-    """Draw the run, the graph, the rooms and some images of a map."""
-    from dataset import MapFile, RoomsegError
-    from dataset.atomic import replacing
-    from roomseg.figures import new_figure, png_bytes
+@click.option(
+    "--cutaway",
+    is_flag=True,
+    help="Render the apartment from above, its walls cut, instead of drawing it.",
+)
+@click.option(
+    "--dpi", type=click.IntRange(30, 1200), default=160, show_default=True, help="Of a drawing."
+)
+@click.option(
+    "--size",
+    type=click.IntRange(64, 8192),
+    default=1000,
+    show_default=True,
+    help="Longer side of a cut-away picture, px.",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 4096),
+    default=24,
+    show_default=True,
+    help="Light paths per pixel of a cut-away picture.",
+)
+def command(
+    *,
+    source: Path,
+    output: Path,
+    show: tuple[str, ...],
+    cutaway: bool,
+    dpi: int,
+    size: int,
+    samples: int,
+) -> None:
+    """Draw a map, or the plan of an apartment, or its cut-away picture.
 
-    if output.suffix.lower() != ".png":
-        raise RoomsegError(f"{output}: not a picture's name, expected one that ends in .png")
-    with MapFile(map_file) as file:
-        panels = _panels(file, show)
+    A map is drawn by its run, graph, rooms and some images. An apartment is a
+    file or the name of a reference place; --cutaway shows the one a map was
+    recorded in, too.
+    """
+    _check_name(output, PHOTOS if cutaway else DRAWINGS)
+    if show and (cutaway or is_apartment(source)):
+        raise click.UsageError(f"--show {show[0]}: says what to draw of a map, not of an apartment")
+    if cutaway:
+        from render.cutaway import draw_cutaway
+
+        apartment = _apartment(source)
+        draw_cutaway(apartment, output, size=size, samples=samples, folder=source.parent)
+    else:
+        draw = _draw_plan if is_apartment(source) else _draw_map
+        _write(draw(source, show), output, dpi)
+    click.echo(str(output))
+
+
+def _check_name(output: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuse a name before the work rather than after it."""
+    from dataset import RoomsegError
+
+    if output.suffix.lower() not in suffixes:
+        known = " or ".join(suffixes)
+        raise RoomsegError(f"{output}: not a picture's name, expected one that ends in {known}")
+
+
+def _apartment(source: Path) -> Apartment:
+    """The apartment of that name, or the one that a map was recorded in."""
+    from dataset import RoomsegError, read_map
+    from scenes import apartment_from_json, load_apartment
+
+    if is_apartment(source):
+        return load_apartment(str(source))
+    scene = read_map(source).scene
+    if scene is None:
+        raise RoomsegError(f"{source}: the map does not say in which apartment it was recorded")
+    return apartment_from_json(scene, origin=str(source))
+
+
+def _draw_map(source: Path, show: tuple[str, ...]) -> Any:
+    """The figure of a map."""
+    from dataset import MapFile
+    from roomseg.figures import add_map_legend, new_figure
+
+    with MapFile(source) as file:
+        panels = map_panels(file, show)
         columns = min(3, len(panels))
         rows = -(-len(panels) // columns)
         figure = new_figure(5.0 * columns, 4.2 * rows)
         for index, draw in enumerate(panels):
             draw(figure.add_subplot(rows, columns, index + 1))
-        picture = png_bytes(figure, dpi)
+    add_map_legend(figure)
+    return figure
+
+
+def _draw_plan(source: Path, show: tuple[str, ...]) -> Any:
+    """The figure of an apartment."""
+    from roomseg.cli.home_plan import home_plan
+    from roomseg.figures import home_plan_figure
+
+    return home_plan_figure(home_plan(_apartment(source)))
+
+
+def _write(figure: Any, output: Path, dpi: int) -> None:
+    from dataset.atomic import replacing
+    from roomseg.figures import figure_bytes
+
+    picture = figure_bytes(figure, output.suffix.lower(), dpi)
     with replacing(output) as part:
         part.write_bytes(picture)
-    click.echo(str(output))
-
-
-def _panels(file: MapFile, show: tuple[str, ...]) -> list[Panel]:
-    """Everything that was asked for; it is an error if the map does not have it."""
-    from dataset import RoomsegError
-
-    available = _available(file)
-    for name in show:
-        if name not in available:
-            raise RoomsegError(f"{file.path}: has no {name} to draw, only {', '.join(available)}")
-    return [panel for name in (show or available) for panel in available[name]]
-
-
-def _available(file: MapFile) -> dict[str, list[Panel]]:
-    from roomseg import figures
-
-    topomap = file.topomap
-    outlines = _outlines(topomap.scene)
-    truth = topomap.ground_truth
-    true_room = None if truth is None else truth.room
-    rooms = file.rooms
-    panels: dict[str, list[Panel]] = {
-        "run": [
-            partial(
-                figures.draw_cleaning_run,
-                topomap=topomap,
-                outlines=outlines,
-                title=f"{topomap.environment}, {topomap.run}",
-            )
-        ],
-        "obstacles": [partial(figures.draw_obstacle_map, topomap=topomap, title="Robot's map")],
-        "graph": [
-            partial(
-                figures.draw_graph,
-                topomap=topomap,
-                is_border=None if truth is None else truth.edge_is_border,
-                outlines=outlines,
-                title="Map graph",
-            )
-        ],
-    }
-    draw_rooms = partial(figures.draw_rooms, topomap=topomap, outlines=outlines)
-    if true_room is not None:
-        panels["truth"] = [partial(draw_rooms, room=true_room, title="Ground truth")]
-    if rooms is not None:
-        title = f"Rooms by {rooms.model}"
-        panels["rooms"] = [partial(draw_rooms, room=rooms.label, truth=true_room, title=title)]
-    if file.image_count:
-        panels["images"] = _image_panels(file)
-    return panels
-
-
-def _outlines(scene: str | None) -> Any:
-    """Read what stands near the floor from the map's scene, if it has one."""
-    if scene is None:
-        return None
-    from scenes import Apartment, obstacles
-
-    return obstacles(Apartment.model_validate_json(scene))
-
-
-def _image_panels(file: MapFile) -> list[Panel]:
-    """Choose a few images, spread over the run."""
-    import numpy as np
-
-    from roomseg.figures import draw_camera_image
-
-    done = np.flatnonzero(file.done)
-    chosen = done[np.linspace(0, len(done) - 1, min(IMAGE_COUNT, len(done))).astype(int)]
-    return [
-        partial(draw_camera_image, image=file.image(node), title=f"Node {node}") for node in chosen
-    ]

@@ -16,6 +16,15 @@ from roomseg.figures.charts import (
     draw_room_counts,
 )
 from roomseg.figures.graphs import draw_borders, draw_graph, draw_rooms, match_rooms, wrong_nodes
+from roomseg.figures.legend import add_map_legend
+from roomseg.figures.plan import (
+    HomePlan,
+    PlanDoor,
+    PlanRoom,
+    PlanWindow,
+    Symbol,
+    home_plan_figure,
+)
 from roomseg.figures.plans import (
     Plan,
     draw_cleaning_run,
@@ -23,11 +32,17 @@ from roomseg.figures.plans import (
     draw_obstacle_map,
     draw_outlines,
 )
-from roomseg.figures.style import finish_plan, new_figure, png_bytes, scale_bar
+from roomseg.figures.style import figure_bytes, finish_plan, new_figure, png_bytes, scale_bar
 
 __all__ = [
+    "HomePlan",
     "Plan",
+    "PlanDoor",
+    "PlanRoom",
+    "PlanWindow",
     "RocCurve",
+    "Symbol",
+    "add_map_legend",
     "draw_borders",
     "draw_camera_image",
     "draw_cleaning_run",
@@ -45,7 +60,9 @@ __all__ = [
     "draw_roc",
     "draw_room_counts",
     "draw_rooms",
+    "figure_bytes",
     "finish_plan",
+    "home_plan_figure",
     "match_rooms",
     "new_figure",
     "png_bytes",

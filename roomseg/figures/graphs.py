@@ -34,6 +34,8 @@ Ints = NDArray[np.int64]
 
 _NODE_DIAMETER = 0.13
 """Of the circle drawn for a node, m; less than half the lane spacing."""
+WRONG_RING = 0.9
+"""Width of the black ring around a node in a wrong room, pt."""
 _RING, _RIM = (0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 0.7)
 
 
@@ -215,7 +217,7 @@ def _scatter_rooms(
         circles = draw_circles(ax, position[inside], _NODE_DIAMETER)
         circles.set(facecolor=colours[index], gid=f"room-{name}", zorder=3)
         circles.set_edgecolor(np.where(wrong[inside, None], _RING, _RIM))
-        circles.set_linewidth(np.where(wrong[inside], 0.9, 0.35))
+        circles.set_linewidth(np.where(wrong[inside], WRONG_RING, 0.35))
         _number_room(ax, position[inside], index + 1)
 
 

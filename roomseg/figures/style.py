@@ -16,6 +16,7 @@ import io
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -29,6 +30,7 @@ __all__ = [
     "FLOOR_GREY",
     "OBSTACLE_BLUE",
     "TRAVEL_GREY",
+    "figure_bytes",
     "finish_plan",
     "new_figure",
     "png_bytes",
@@ -44,6 +46,9 @@ BORDER_BLACK = "#111111"
 TRAVEL_GREY = "#9A9A9A"
 FLOOR_GREY = "#D9DEE3"
 INK = "#222222"
+
+CIRCLE = 0.08
+"""Radius of the largest circle that stands for a node or a lane's end, m, and a bit."""
 
 _ROOM_HUES = (
     "#332288",
@@ -80,18 +85,38 @@ def new_figure(width: float = 6.0, height: float = 4.5) -> Figure:
     return figure
 
 
-def png_bytes(figure: Figure, dpi: int = 160) -> bytes:
-    """Write the figure as PNG; the same figure gives the same bytes (no date inside)."""
+def figure_bytes(figure: Figure, suffix: str, dpi: int = 160) -> bytes:
+    """Write the figure as a file; the same figure gives the same bytes (no date inside).
+
+    Parameters
+    ----------
+    figure : Figure
+    suffix : {'.png', '.svg', '.pdf'}
+    dpi : int
+        Pixels per inch of what is made of pixels.
+    """
+    undated: dict[str, dict[str, None]] = {
+        ".png": {"Software": None},
+        ".svg": {"Date": None},
+        ".pdf": {"CreationDate": None},
+    }
     buffer = io.BytesIO()
-    figure.savefig(
-        buffer,
-        format="png",
-        dpi=dpi,
-        bbox_inches="tight",
-        pad_inches=0.04,
-        metadata={"Software": None},
-    )
+    # Without a salt the names inside an SVG are drawn anew each time.
+    with rc_context({"svg.hashsalt": "roomseg"}):
+        figure.savefig(
+            buffer,
+            format=suffix.removeprefix("."),
+            dpi=dpi,
+            bbox_inches="tight",
+            pad_inches=0.04,
+            metadata=undated[suffix],
+        )
     return buffer.getvalue()
+
+
+def png_bytes(figure: Figure, dpi: int = 160) -> bytes:
+    """Write the figure as PNG; see `figure_bytes`."""
+    return figure_bytes(figure, ".png", dpi)
 
 
 def scale_bar_length(extent: float) -> float:
@@ -143,7 +168,8 @@ def finish_plan(ax: Any, title: str | None = None, bar: float | None = None) -> 
     if np.isfinite(box.get_points()).all():
         extent = max(box.width, box.height, 0.5)
         length = scale_bar_length(box.width) if bar is None else bar
-        margin = 0.02 * extent
+        # What is drawn as a circle counts by its middle only; of a tiny plan it shows.
+        margin = max(0.02 * extent, CIRCLE)
         height = 0.01 * extent
         bottom = box.y0 - 2.0 * margin - 2.0 * height
         left, top = box.x0, box.y1

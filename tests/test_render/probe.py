@@ -10,6 +10,7 @@ import sys
 from typing import Any
 
 import numpy as np
+from shapely import box
 
 from dataset.camera import FisheyeCamera
 from render.blender import add_camera, add_mesh, build_scene, empty_scene
@@ -19,7 +20,8 @@ from render.lighting import SHARES
 from render.presets import Preset
 from render.shading import build_glow, build_material
 from scenes.apartment import Apartment, Material
-from scenes.mesh import Mesh
+from scenes.mesh import Mesh, prism_mesh
+from scenes.solids import Prism
 
 CAMERAS = {
     "simulated": FisheyeCamera(),
@@ -145,6 +147,35 @@ def furnace(bpy: Any) -> dict[str, np.ndarray]:
     return {"furnace": FrameSource(bpy, scene, camera).radiance(np.zeros(3))}
 
 
+def panes(bpy: Any) -> dict[str, np.ndarray]:
+    """A glowing ceiling seen through a pane of glass that lets half through: clear, frosted."""
+    camera = FisheyeCamera().resized(32)
+    found = {}
+    for name, roughness in (("pane", 0.0), ("frosted_pane", 0.4)):
+        scene = empty_scene(bpy)
+        for low, size, material in (
+            (1.0, 50.0, build_glow(bpy, "glow", 6500.0, 3.0)),
+            (
+                0.5,
+                0.4,
+                build_material(
+                    bpy,
+                    "glass",
+                    Material(pattern="glass", colour=(0.5, 0.5, 0.5), roughness=roughness),
+                ),
+            ),
+        ):
+            corners, triangles = prism_mesh(
+                Prism(box(-size, -size, size, size), low, low + 0.01, "x")
+            )
+            index = np.zeros(len(triangles), dtype=np.int32)
+            add_mesh(bpy, scene, Mesh(corners, triangles, index, ("x",)), [material])
+        add_camera(bpy, scene, camera)
+        configure(scene, Preset("probe", samples=64, denoise=False))
+        found[name] = FrameSource(bpy, scene, camera).radiance(np.zeros(3))
+    return found
+
+
 def state(bpy: Any) -> dict[str, np.ndarray]:
     """Values that Blender holds, without rendering."""
     scene = empty_scene(bpy)
@@ -157,11 +188,21 @@ def state(bpy: Any) -> dict[str, np.ndarray]:
         made = build_material(bpy, pattern, Material(pattern=pattern))
         output = next(n for n in made.node_tree.nodes if n.type == "OUTPUT_MATERIAL")
         kinds.append(output.inputs["Surface"].is_linked)
+    motifs = Material.model_fields["motif"].annotation.__args__
+    for motif in motifs:
+        paper = build_material(bpy, motif, Material(pattern="wallpaper", size=0.25, motif=motif))
+        output = next(n for n in paper.node_tree.nodes if n.type == "OUTPUT_MATERIAL")
+        kinds.append(output.inputs["Surface"].is_linked)
+    repeats = next(node for node in paper.node_tree.nodes if node.type == "MAPPING")
+    moved = build_material(bpy, "moved", Material(pattern="plaster", seed=5))
+    shift = next(node for node in moved.node_tree.nodes if node.type == "MAPPING")
     configure(scene, Preset("probe", samples=3, max_bounces=2), threads=1)
     used = select_device(bpy, scene, "auto")
     return {
         "fov": np.array(camera.data.fisheye_fov),
         "tile": np.array([bricks.inputs[n].default_value for n in ("Brick Width", "Row Height")]),
+        "repeats": np.array(repeats.inputs["Scale"].default_value),
+        "seed_shift": np.array(shift.inputs["Location"].default_value),
         "patterns_linked": np.array(kinds),
         "samples": np.array(scene.cycles.samples),
         "diffuse_bounces": np.array(scene.cycles.diffuse_bounces),
@@ -174,7 +215,7 @@ def state(bpy: Any) -> dict[str, np.ndarray]:
 def main() -> None:
     bpy = load_bpy()
     found = {f"directions_{name}": directions(bpy, camera) for name, camera in CAMERAS.items()}
-    found |= markers(bpy) | rooms(bpy) | furnace(bpy) | state(bpy)
+    found |= markers(bpy) | rooms(bpy) | furnace(bpy) | panes(bpy) | state(bpy)
     np.savez(sys.argv[1], **found)
     sys.stdout.flush()
     os._exit(0)

@@ -241,6 +241,15 @@ def test_maps_without_scene_cannot_be_rendered(folder, capsys):
 def test_view_of_what_is_not_there(folder, capsys):
     line = refused(capsys, "view", "flat.h5", "-o", "a.png", "--show", "rooms")
     assert line == "flat.h5: has no rooms to draw, only run, obstacles, graph, truth"
+    line = refused(capsys, "view", "demo9", "-o", "a.png")
+    assert line.startswith("demo9: no such file, nor a reference place (demo1,")
+    line = refused(capsys, "view", "demo1", "-o", "a.png", "--show", "run")
+    assert line.startswith("--show run: says what to draw of a map, not of an apartment")
+    Path("home.json").write_text('{"name": "home"}')
+    assert refused(capsys, "view", "home.json", "-o", "a.png").startswith("home.json: rooms")
+    line = refused(capsys, "view", "flat.h5", "--cutaway", "-o", "a.png")
+    assert line == "flat.h5: the map does not say in which apartment it was recorded"
+    assert not Path("a.png").exists()
 
 
 # ------------------------------------------------------------- bad apartments
@@ -375,6 +384,14 @@ def test_every_problem_of_an_apartment_is_told(folder):
     assert all(line.startswith("home.json: ") for line in lines)
     assert any("passages[0]" in line for line in lines)
     assert any("passages[1]" in line for line in lines)
+    del place["start"]
+    place["rooms"][0]["colour"] = "blue"
+    place["rooms"][1]["ceiling_height"] = -2.5
+    Path("home.json").write_text(json.dumps(place))
+    result = run("validate", "home.json")
+    assert (result.returncode, result.stderr) == (1, "")
+    fields = [line.split(": ")[1] for line in result.stdout.splitlines()]
+    assert fields == ["rooms[0].colour", "rooms[1].ceiling_height", "start"]
 
 
 @pytest.mark.parametrize(
@@ -396,8 +413,10 @@ def test_no_output_replaces_a_map(folder, capsys, arguments):
     assert not Path("new.h5").exists()
 
 
-def test_a_picture_is_png_and_a_date_is_iso(folder, capsys):
-    assert ".png" in refused(capsys, "view", "flat.h5", "-o", "flat.pdf")
+def test_a_picture_has_a_pictures_name_and_a_date_is_iso(folder, capsys):
+    line = refused(capsys, "view", "flat.h5", "-o", "flat.gif")
+    assert line == "flat.gif: not a picture's name, expected one that ends in .png or .svg or .pdf"
+    assert ".png" in refused(capsys, "view", "demo1", "--cutaway", "-o", "demo1.svg")
     message = refused(capsys, "simulate", "demo1", "--created", "yesterday", "-o", "maps")
     assert "2026-01-31" in message
     assert not Path("maps").exists()

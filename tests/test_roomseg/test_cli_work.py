@@ -266,3 +266,15 @@ def test_simulated_maps_are_right_whatever_the_number_of_jobs(folder, capsys):
         left, right = (set(topomap.ground_truth.room[side]) for side in (x < 1.5, x > 1.82))
         assert len(left) == len(right) == 1
         assert left != right
+
+
+def test_inspect_an_apartment(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    succeed("inspect", "demo1", "--json", "demo1.json")
+    shown = capsys.readouterr().out
+    figures = json.loads(Path("demo1.json").read_text())
+    assert f"{len(figures['rooms'])} on {figures['floor_area']:.1f} m²" in shown
+    for room in figures["rooms"]:
+        assert room["name"] in shown
+    for kind, count in figures["pieces"].items():
+        assert f"{count} {kind}" in shown

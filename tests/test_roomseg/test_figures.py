@@ -24,6 +24,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from dataset.camera import FisheyeCamera
 from roomseg.figures import (
     RocCurve,
+    add_map_legend,
     draw_cleaning_run,
     draw_edge_pixels,
     draw_floor,
@@ -38,12 +39,13 @@ from roomseg.figures import (
     draw_roc,
     draw_room_counts,
     draw_rooms,
+    finish_plan,
     match_rooms,
     new_figure,
     png_bytes,
     wrong_nodes,
 )
-from roomseg.figures.plans import lane_tracks, plan_rings
+from roomseg.figures.plans import draw_circles, lane_tracks, plan_rings
 from roomseg.figures.style import BORDER_EDGE_GREEN, EDGE_RED, OBSTACLE_BLUE, room_colours
 from roomseg.passage_width import passageway_widths
 from roomseg.passageway import LintelParameters, LintelSearch, edge_pixels
@@ -386,3 +388,31 @@ def test_the_same_figure_gives_the_same_bytes_and_no_global_figure(flat):
     assert cv2.imdecode(np.frombuffer(first, np.uint8), cv2.IMREAD_COLOR) is not None
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or not pyplot.get_fignums()
+
+
+def legend_of(figure) -> list[str]:
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_one_legend_names_what_the_panels_show(flat, real_flat):
+    figure = new_figure()
+    draw_obstacle_map(figure.add_subplot(1, 2, 1), real_flat)
+    draw_graph(figure.add_subplot(1, 2, 2), real_flat)
+    add_map_legend(figure)
+    assert legend_of(figure)[:3] == ["obstacle point", "map node", "edge"]
+    truth = np.asarray(flat.ground_truth.room)
+    for room, wrong in ((truth, False), (np.where(np.arange(len(truth)) == 5, 99, truth), True)):
+        figure = new_figure()
+        draw_rooms(figure.add_subplot(), flat, room, truth=truth)
+        add_map_legend(figure)
+        assert ("node in a wrong room" in legend_of(figure)) == wrong
+        assert "node in the colour of its room" in legend_of(figure)
+
+
+def test_nodes_of_a_tiny_map_are_not_cut_off(ax):
+    centres = np.array([[1.0, 1.0], [1.1, 1.0]])
+    draw_circles(ax, centres, 0.13)
+    finish_plan(ax)
+    assert ax.get_xlim()[0] < 1.0 - 0.065
+    assert ax.get_xlim()[1] > 1.1 + 0.065
+    assert ax.get_ylim()[1] > 1.0 + 0.065

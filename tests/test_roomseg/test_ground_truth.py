@@ -123,6 +123,16 @@ def test_failed_clustering_is_replaced_by_the_pieces(monkeypatch: pytest.MonkeyP
     assert len(set(room[(x > 2.45) & (x < 2.55)])) == 1
 
 
+def test_a_strip_with_more_nodes_than_a_room_is_no_room() -> None:
+    """A deep passage with four columns between its lines beside a room of three."""
+    topomap = rows_map((0.95, 1.35, 3.65), 3)
+    x = topomap.nodes.position[:, 0]
+    room = labels_of(topomap)
+    assert set(room[x < 0.95]) == {0}
+    assert set(room[(x > 1.35) & (x < 3.65)]) == {1}
+    assert set(room[x > 3.65]) == {2}
+
+
 def test_borders_that_do_not_cut() -> None:
     topomap = rows_map((0.95, 2.45), 4)
     with pytest.raises(

@@ -10,26 +10,31 @@ dark on a light wall (high).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from scenes.apartment import Colour, Frame, Lighting, Material, RoomKind
+from scenes.generator.wishes import Contrast, Source
 
-__all__ = ["Contrast", "Palette", "Source", "draw_lighting", "draw_palette"]
-
-Contrast = Literal["low", "medium", "high"]
-Source = Literal["interior", "exterior", "mixed"]
+__all__ = ["Palette", "draw_lighting", "draw_palette"]
 
 WET = ("bathroom", "kitchen", "storage")
 DRY_FLOORS = ("parquet", "parquet_dark", "planks", "planks_grey", "laminate", "carpet_beige")
 WET_FLOORS = ("tiles_grey", "tiles_terracotta", "tiles_white", "tiles_blue", "linoleum")
+WOODS = ("wood", "wood_light", "wood_dark", "lacquer_white")
+CLOTHS = ("fabric_grey", "fabric_beige", "fabric_dark", "fabric_blue", "fabric_green", "fabric_red")
+RUGS = ("carpet_red", "carpet_blue", "carpet_beige", "carpet_grey")
+FRONTS = ("lacquer_white", "lacquer_white", "wood_light", "wood", "lacquer_red", "lacquer_black")
 SOFT_FLOORS = ("carpet_grey", "carpet_blue", "carpet_beige", "laminate", "planks")
 
 
 @dataclass(frozen=True)
 class Palette:
-    """Own materials, and the names of those of each room kind; the frame of all doorways."""
+    """Own materials, and the names of those of each room kind; the frame of all doorways.
+
+    ``swap`` says which material furniture has in this home instead of a kind's
+    default (``slot:name`` for one slot only, else ``name``).
+    """
 
     materials: dict[str, Material]
     floors: dict[RoomKind, str]
@@ -37,6 +42,8 @@ class Palette:
     ceiling: str
     frame: Frame
     window: str
+    skirting: str
+    swap: dict[str, str]
 
 
 def draw_palette(
@@ -68,7 +75,25 @@ def draw_palette(
         ceiling="ceiling",
         frame=Frame(width=width, depth=0.01 if contrast == "low" else 0.02, material="frame"),
         window=str(rng.choice(["window_paint", "frame_wood", "frame_grey"])),
+        skirting=str(rng.choice(["skirting", "frame_wood", "frame_paint"])),
+        swap=_swaps(rng),
     )
+
+
+def _swaps(rng: np.random.Generator) -> dict[str, str]:
+    """What the furniture of one home is made of."""
+    woods = [str(rng.choice(WOODS)) for _ in range(2)]
+    cloths = [str(rng.choice(CLOTHS)) for _ in range(3)]
+    return {
+        "wood": woods[0],
+        "wood_light": woods[1],
+        "fabric_grey": cloths[0],
+        "fabric_beige": cloths[1],
+        "fabric_blue": cloths[2],
+        "carpet_red": str(rng.choice(RUGS)),
+        "fronts:lacquer_white": str(rng.choice(FRONTS)),
+        "worktop:stone": str(rng.choice(["stone", "wood", "wood_light"])),
+    }
 
 
 def draw_lighting(rng: np.random.Generator, source: Source) -> Lighting:

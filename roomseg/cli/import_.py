@@ -1,0 +1,204 @@
+"""``roomseg import``: an apartment from a grid map, a floor plan or a 3D scene."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from roomseg.cli.options import output_option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from scenes.importers import Imported
+
+    Reader = Callable[..., Imported]
+
+READERS = {
+    "grid": "scenes.importers.ros_map:read_ros_map",
+    "geojson": "scenes.importers.geojson:read_geojson",
+    "cubicasa": "scenes.importers.cubicasa:read_cubicasa",
+    "houseexpo": "scenes.importers.houseexpo:read_houseexpo",
+    "resplan": "scenes.importers.resplan:read_resplan",
+    "r2v": "scenes.importers.r2v:read_r2v",
+    "scene": "render.scene_import:read_scene",
+}
+"""Where the reader of a format is; each takes the options that it can use."""
+
+SUFFIXES = {
+    ".yaml": "grid",
+    ".yml": "grid",
+    ".pgm": "grid",
+    ".png": "grid",
+    ".geojson": "geojson",
+    ".svg": "cubicasa",
+    ".txt": "r2v",
+} | dict.fromkeys(
+    (".blend", ".glb", ".gltf", ".obj", ".fbx", ".stl", ".ply", ".usd", ".usda", ".usdc", ".usdz"),
+    "scene",
+)
+"""Formats by suffix; a ``.json`` file says by its content what it is."""
+
+OPTIONS = {"ceiling_height": "--ceiling"}
+"""Options that are not called as the readers' parameters are."""
+
+EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+EXAMPLE = """\b
+Example:
+  roomseg import map.yaml -o home.json
+  roomseg import grid.png --scale 0.05 --labels rooms.png -o home.json
+  roomseg import plan.geojson --furnish -o home.json
+  roomseg import flat.glb --start 1.5,2 -o home.json
+"""
+
+
+class PointType(click.ParamType[tuple[float, float]]):
+    """A point as ``X,Y``."""
+
+    name = "x,y"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        """Refuse anything but two finite numbers."""
+        try:
+            x, y = (float(part) for part in str(value).split(","))
+        except ValueError:
+            x = y = float("nan")
+        if not (abs(x) <= 1000.0 and abs(y) <= 1000.0):
+            self.fail(f"{value!r}; expected two numbers, such as 1.5,2", param, ctx)
+        return x, y
+
+
+class NameType(click.ParamType[str]):
+    """A name that an apartment can have."""
+
+    name = "text"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Refuse what the name of a file could not be."""
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", str(value)):
+            self.fail(f"{value!r}; expected letters, digits, '_', '.', '-', at most 64", param, ctx)
+        return str(value)
+
+
+@click.command("import", epilog=EXAMPLE)
+@click.argument("file", type=EXISTING)
+@output_option("The apartment, JSON.")
+@click.option(
+    "--format",
+    "format_",
+    type=click.Choice(list(READERS)),
+    help="What FILE is; by its suffix and content if absent.",
+)
+@click.option("--name", type=NameType(), help="Name of the apartment; that of FILE if absent.")
+@click.option("--start", type=PointType(), help="Where the robot starts, m.")
+@click.option(
+    "--scale",
+    "--resolution",
+    "scale",
+    type=click.FloatRange(0, min_open=True),
+    help="Metres per unit or pixel of FILE.",
+)
+@click.option("--ceiling", "ceiling_height", type=click.FloatRange(1, 20), help="Its height, m.")
+@click.option(
+    "--borders", type=EXISTING, help="Lines between rooms: CSV or JSON, x0,y0,x1,y1 in m."
+)
+@click.option("--labels", type=EXISTING, help="Picture of the rooms, as large as the map.")
+@click.option("--label-table", type=EXISTING, help="What its values mean: value,name,kind.")
+@click.option(
+    "--furnish/--no-furnish",
+    default=None,
+    help="Floor plans: whether fixtures become furniture; they do if absent.",
+)
+@click.option(
+    "--add-doors",
+    is_flag=True,
+    default=None,
+    help="Floor plans: open a door to rooms without one, instead of leaving them out.",
+)
+@click.option("--plan", help="ResPlan: id of the plan, in a file that has several.")
+@click.option(
+    "--floor-clearance", type=click.FloatRange(0, 1), help="3D scenes: what is lower is floor, m."
+)
+@click.option("--floor", type=float, help="3D scenes: height of the floor, m; found if absent.")
+@click.option("--up", type=click.Choice(["Y", "Z"]), help="OBJ, PLY, STL: the axis upwards.")
+@click.option(
+    "--robot-height",
+    type=click.FloatRange(0, 3),
+    help="3D scenes: obstacles are lower, m.",
+)
+def command(*, file: Path, output: Path, format_: str | None, **options: Any) -> None:
+    """Make an apartment of FILE.
+
+    FILE is a ROS map (YAML), a grid map (PGM, PNG), a floor plan (GeoJSON, CubiCasa5k
+    SVG, HouseExpo or ResPlan JSON, R2V text) or a 3D scene (.blend, .glb, .obj, USD …).
+    What cannot be used is told line by line on standard error.
+    """
+    from dataset.errors import RoomsegError
+    from scenes import check, floor_area, save_apartment
+
+    format_ = format_ or _format_of(file)
+    given = {key: value for key, value in options.items() if value is not None}
+    reader = _reader(format_, given)
+    if format_ == "scene":
+        given["output_folder"] = output.parent  # the scene's own file goes beside the apartment's
+    result = reader(file, **given)
+    for note in result.notes:
+        click.echo(f"{file}: {' '.join(note.split())}", err=True)
+    apartment = result.apartment
+    if problems := list(check(apartment)):
+        raise RoomsegError(f"{file}: {problems[0]}")
+    save_apartment(apartment, output)
+    click.echo(
+        f"{output}: {len(apartment.rooms)} rooms, {floor_area(apartment):.1f} m², "
+        f"{len(apartment.walls)} walls, {len(apartment.blocks)} blocks, "
+        f"{len(apartment.furniture)} pieces, {len(result.notes)} notes"
+    )
+
+
+def _format_of(file: Path) -> str:
+    """Tell the format by the suffix, that of JSON by what is in it."""
+    from dataset.errors import RoomsegError
+
+    suffix = file.suffix.lower()
+    if suffix == ".json":
+        return _json_format(file)
+    if suffix in SUFFIXES:
+        return SUFFIXES[suffix]
+    raise RoomsegError(
+        f"{file}: its suffix says nothing; expected one of .json, {', '.join(SUFFIXES)}, "
+        f"or --format"
+    )
+
+
+def _json_format(file: Path) -> str:
+    """Tell the floor plans that are JSON apart."""
+    from dataset.errors import RoomsegError
+    from scenes.importers.plan_file import read_json
+
+    fields = read_json(file, "a floor plan")
+    keys = set(fields) if isinstance(fields, dict) else set()
+    if isinstance(fields, dict) and fields.get("format") == "roomseg-apartment":
+        raise RoomsegError(f"{file}: is an apartment already; nothing to import")
+    if "features" in keys:
+        return "geojson"
+    return "houseexpo" if "verts" in keys else "resplan"
+
+
+def _reader(format_: str, options: dict[str, Any]) -> Reader:
+    """The reader of a format, if it can use all options."""
+    module, name = READERS[format_].split(":")
+    reader: Reader = getattr(importlib.import_module(module), name)
+    known = inspect.signature(reader).parameters
+    for key in options:
+        if key not in known:
+            option = OPTIONS.get(key, f"--{key.replace('_', '-')}")
+            raise click.UsageError(f"{option}: has no meaning for the format {format_}")
+    return reader

@@ -1,0 +1,1 @@
+"""Apartments in the formats of others: ``write_<format>(apartment, path, **options)``."""

@@ -1,0 +1,340 @@
+"""Floor plans as GeoJSON: one feature per element, its ``layer`` says what it is.
+
+Coordinates are metres in a flat frame (x right, y up), not degrees. The layers:
+
+===========  =======================================  =======================================
+layer        geometry                                 properties (all optional)
+===========  =======================================  =======================================
+room         Polygon: clear floor                     name, kind, ceiling_height, floor, walls,
+                                                      ceiling, skirting
+wall         LineString: centre line; Polygon:        thickness
+             footprint
+door         LineString: along the wall; Polygon:     width (Point only), lintel_height, frame,
+             thin outline; Point: the middle          closed
+window       as door                                  width (Point only), sill_height,
+                                                      head_height, frame
+furniture    Polygon: outline; Point: the middle      kind (required), rotation_deg, size,
+                                                      elevation, materials
+block        Polygon                                  bottom, top, material
+border       LineString                               –
+lamp         Point                                    kind, height, radius, power, temperature
+start        Point                                    heading_deg
+===========  =======================================  =======================================
+
+Properties are the fields of `scenes.apartment` of the same name. A member
+``apartment`` of the collection may hold name, description, lighting,
+passageway_contrast and own materials. `scenes.exporters.geojson` writes all this.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from pydantic import BaseModel, ValidationError
+from shapely import Polygon
+
+from scenes.apartment import Block, Lamp, Passage, Piece, Point, Room, Start, Wall, Window
+from scenes.errors import SceneError
+from scenes.importers import Imported
+from scenes.importers.drawing import PlanDrawing, PlanFixture, PlanOpening, PlanRoom, long_axis
+from scenes.importers.plan import PlanOptions
+from scenes.importers.plan_file import built, check_extent, check_scale, read_json
+from scenes.pieces import KINDS
+
+__all__ = ["read_geojson"]
+
+Floats = NDArray[np.float64]
+
+FORMAT = "a GeoJSON FeatureCollection"
+DEGREES = ("crs84", "epsg::4326", "epsg:4326")
+OWN = ("description", "lighting", "passageway_contrast", "materials")
+
+
+def read_geojson(
+    path: str | Path,
+    *,
+    scale: float | None = None,
+    name: str | None = None,
+    start: Point | None = None,
+    ceiling_height: float = 2.5,
+    furnish: bool = True,
+    add_doors: bool = False,
+) -> Imported:
+    """Read a floor plan from GeoJSON; the layers are in the module's docstring.
+
+    Parameters
+    ----------
+    path : path
+    scale : float, optional
+        Metres per unit of the coordinates; 1 if absent.
+    name : str, optional
+        Of the apartment; the file's own, or the file's stem, if absent.
+    start, ceiling_height, furnish, add_doors
+        `PlanOptions`, for what the file does not say.
+
+    Raises
+    ------
+    SceneError
+        One line: the file, the feature, its value, what would be right.
+    """
+    check_scale(path, scale)
+    data = read_json(path, FORMAT)
+    if not isinstance(data, dict) or not isinstance(data.get("features"), list):
+        raise SceneError(f"{path}: no list of features; expected {FORMAT}")
+    _refuse_degrees(path, data.get("crs"))
+    own = data.get("apartment") or {}
+    if not isinstance(own, dict):
+        raise SceneError(f"{path}: apartment: {own!r:.60}; expected an object")
+    reader = _Layers(path, 1.0 if scale is None else scale)
+    for index, feature in enumerate(data["features"]):
+        reader.add(index, feature)
+    check_extent(path, [room.shape for room in reader.rooms], scale)
+    drawing = reader.drawing({key: own[key] for key in OWN if key in own})
+    options = PlanOptions(ceiling_height, furnish=furnish, add_doors=add_doors, start=start)
+    return built(path, drawing, name or own.get("name"), options)
+
+
+def _refuse_degrees(path: str | Path, crs: object) -> None:
+    text = str(crs).lower()
+    if any(system in text for system in DEGREES):
+        raise SceneError(
+            f"{path}: crs: degrees of longitude and latitude; expected coordinates in metres "
+            f"(project the layers, or draw without a coordinate system)"
+        )
+
+
+@dataclass
+class _Layers:
+    """The elements of a drawing, filled feature by feature."""
+
+    path: str | Path
+    scale: float
+    rooms: list[PlanRoom] = field(default_factory=list)
+    walls: list[Wall] = field(default_factory=list)
+    wall_shapes: list[Polygon] = field(default_factory=list)
+    openings: list[PlanOpening] = field(default_factory=list)
+    fixtures: list[PlanFixture] = field(default_factory=list)
+    blocks: list[Block] = field(default_factory=list)
+    borders: list[Any] = field(default_factory=list)
+    lamps: list[Lamp] = field(default_factory=list)
+    start: Start | None = None
+    notes: list[str] = field(default_factory=list)
+
+    def add(self, index: int, feature: object) -> None:
+        """Take over one feature."""
+        label = f"features[{index}]"
+        if not isinstance(feature, dict):
+            raise SceneError(f"{self.path}: {label}: {feature!r:.60}; expected a feature")
+        properties = feature.get("properties") or {}
+        layer = properties.get("layer") if isinstance(properties, dict) else None
+        makers: dict[object, Callable[..., None]] = {
+            "room": self._room,
+            "wall": self._wall,
+            "door": self._opening,
+            "window": self._opening,
+            "furniture": self._furniture,
+            "block": self._block,
+            "border": self._border,
+            "lamp": self._lamp,
+            "start": self._start,
+        }
+        if not isinstance(layer, str) or layer not in makers:
+            self.notes.append(
+                f"{label}: layer {layer!r:.40}; expected one of {', '.join(map(str, makers))}; "
+                f"left out"
+            )
+            return
+        label = f"{label} ({layer})"
+        fields = {key: value for key, value in properties.items() if key != "layer"}
+        for part in self._parts(label, feature.get("geometry")):
+            makers[layer](label, part, fields)
+
+    def drawing(self, own: Mapping[str, Any]) -> PlanDrawing:
+        """All of it."""
+        fields: dict[str, Any] = dict(own)
+        fields["lamps"] = tuple(self.lamps)
+        if self.start is not None:
+            fields["start"] = self.start
+        return PlanDrawing(
+            tuple(self.rooms),
+            tuple(self.walls),
+            tuple(self.wall_shapes),
+            tuple(self.openings),
+            tuple(self.fixtures),
+            tuple(self.blocks),
+            tuple(self.borders),
+            fields,
+            tuple(self.notes),
+        )
+
+    def _parts(self, label: str, geometry: object) -> Iterator[shapely.Geometry]:
+        """Simple geometries of a feature, in metres."""
+        known = ("Point", "LineString", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon")
+        kind = geometry.get("type") if isinstance(geometry, dict) else geometry
+        if not isinstance(geometry, dict) or kind not in known:
+            raise SceneError(
+                f"{self.path}: {label}: geometry {kind!r:.40}; expected one of {', '.join(known)}"
+            )
+        try:
+            shape = _geometry(str(kind), geometry.get("coordinates"), self.scale)
+        except (TypeError, ValueError, IndexError, shapely.errors.ShapelyError) as error:
+            reason = str(error).splitlines()[0] if str(error) else "no coordinates"
+            raise SceneError(
+                f"{self.path}: {label}: coordinates: {reason}; expected those of a {kind}"
+            ) from None
+        if shape.is_empty:
+            raise SceneError(f"{self.path}: {label}: no coordinates; expected those of a {kind}")
+        yield from shapely.get_parts(shape)
+
+    def _need(self, label: str, part: shapely.Geometry, *kinds: str) -> None:
+        if part.geom_type not in kinds:
+            raise SceneError(
+                f"{self.path}: {label}: a {part.geom_type}; expected a {' or '.join(kinds)}"
+            )
+
+    def _make(self, label: str, model: type[BaseModel], fields: Mapping[str, Any]) -> Any:
+        """An object of a model; unknown fields become notes, bad values an error."""
+        unknown = [key for key in fields if key not in model.model_fields]
+        if unknown:
+            names = ", ".join(repr(key) for key in unknown)
+            self.notes.append(f"{label}: unknown properties {names}; left out")
+        known = {k: v for k, v in fields.items() if k in model.model_fields and v is not None}
+        known |= {k: None for k, v in fields.items() if v is None and _nullable(model, k)}
+        try:
+            return model(**known)
+        except ValidationError as error:
+            fault = error.errors(include_url=False)[0]
+            where = ".".join(str(item) for item in fault["loc"]) or "properties"
+            raise SceneError(
+                f"{self.path}: {label}: {where}: {fault['input']!r:.40}: {fault['msg']}"
+            ) from None
+
+    def _room(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "Polygon")
+        named = str(fields.pop("name", None) or fields.get("kind") or "room")
+        stand_in = {"name": "room", "polygon": ((0, 0), (1, 0), (0, 1))}
+        room = self._make(label, Room, {**fields, **stand_in})
+        given = {key for key in fields if key in Room.model_fields and key != "kind"}
+        rest = {key: getattr(room, key) for key in given}
+        shape = Polygon(part.exterior)
+        self.rooms.append(PlanRoom(f"{label} {named!r}", named, room.kind, shape, rest))
+        for hole in part.interiors:
+            self.blocks.append(Block(polygon=_corners(hole)))
+
+    def _wall(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "LineString", "Polygon")
+        if part.geom_type == "Polygon":
+            if not part.is_valid:
+                reason = shapely.is_valid_reason(part)
+                raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
+            self.wall_shapes.append(part)
+            return
+        points = shapely.get_coordinates(part).tolist()
+        for a, b in itertools.pairwise(points):
+            if np.hypot(*np.subtract(a, b)) > 1e-3:
+                self.walls.append(self._make(label, Wall, {**fields, "start": a, "end": b}))
+
+    def _opening(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        door = "(door)" in label
+        model: type[BaseModel] = Passage if door else Window
+        item = self._make(label, model, {**fields, "position": (0.0, 0.0)})
+        if part.geom_type == "Point":
+            line = self._across_point(part, item.width)
+        else:
+            line = long_axis(part)
+        given = set(fields) & set(model.model_fields) - {"width"}
+        rest = {key: getattr(item, key) for key in given}
+        start, end = (tuple(point) for point in line.tolist())
+        self.openings.append(
+            PlanOpening(label, "door" if door else "window", start, end, "closed", rest)
+        )
+
+    def _across_point(self, point: shapely.Point, width: float) -> Floats:
+        """A line of that width along the nearest wall or room side drawn so far."""
+        sides = [np.array([(wall.start, wall.end) for wall in self.walls]).reshape(-1, 2, 2)]
+        for room in self.rooms:
+            ring = shapely.get_coordinates(room.shape.exterior)
+            sides.append(np.stack([ring[:-1], ring[1:]], axis=1))
+        every = np.concatenate(sides)
+        if not len(every):
+            raise SceneError(
+                f"{self.path}: a door or window at ({point.x:g}, {point.y:g}) comes before all "
+                f"rooms and walls; expected them first, or a LineString"
+            )
+        side = every[int(np.argmin(shapely.distance(shapely.linestrings(every), point)))]
+        along = (side[1] - side[0]) / np.hypot(*(side[1] - side[0]))
+        middle = np.array([point.x, point.y])
+        line: Floats = np.array([middle - width / 2 * along, middle + width / 2 * along])
+        return line
+
+    def _furniture(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "Polygon", "Point")
+        kind = fields.get("kind")
+        if kind not in KINDS:
+            self.notes.append(f"{label}: {kind!r:.40} is no kind of furniture; left out")
+            return
+        piece = None
+        if part.geom_type == "Point" or {"rotation_deg", "size"} <= set(fields):
+            middle = part if part.geom_type == "Point" else part.exterior.centroid
+            spot = (round(middle.x, 6), round(middle.y, 6))
+            piece = self._make(label, Piece, {**fields, "position": spot})
+        self.fixtures.append(PlanFixture(f"{label} {kind!r}", str(kind), part, piece))
+
+    def _block(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "Polygon")
+        holes = tuple(_corners(ring) for ring in part.interiors)
+        shape = {"polygon": _corners(part.exterior), "holes": holes}
+        self.blocks.append(self._make(label, Block, {**fields, **shape}))
+
+    def _border(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "LineString")
+        points = [tuple(point) for point in shapely.get_coordinates(part).tolist()]
+        self.borders.extend(itertools.pairwise(points))
+
+    def _lamp(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "Point")
+        self.lamps.append(self._make(label, Lamp, {**fields, "position": (part.x, part.y)}))
+
+    def _start(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
+        self._need(label, part, "Point")
+        self.start = self._make(label, Start, {**fields, "position": (part.x, part.y)})
+
+
+def _nullable(model: type[BaseModel], key: str) -> bool:
+    return key in model.model_fields and "None" in str(model.model_fields[key].annotation)
+
+
+def _corners(ring: shapely.LinearRing) -> tuple[tuple[float, float], ...]:
+    return tuple((float(x), float(y)) for x, y in shapely.get_coordinates(ring)[:-1])
+
+
+def _geometry(kind: str, coordinates: Any, scale: float) -> shapely.Geometry:
+    """A geometry from GeoJSON coordinates; heights are dropped."""
+
+    def points(values: Any) -> Floats:
+        array = np.array([value[:2] for value in values], dtype=float).reshape(-1, 2)
+        if not np.isfinite(array).all():
+            raise ValueError("not finite")
+        return array * scale
+
+    def polygon(rings: Any) -> Polygon:
+        return Polygon(points(rings[0]), [points(ring) for ring in rings[1:]])
+
+    if kind == "Point":
+        return shapely.Point(points([coordinates])[0])
+    if kind == "LineString":
+        return shapely.LineString(points(coordinates))
+    if kind == "Polygon":
+        return polygon(coordinates)
+    if kind == "MultiPoint":
+        return shapely.MultiPoint(points(coordinates))
+    if kind == "MultiLineString":
+        return shapely.MultiLineString([points(line) for line in coordinates])
+    return shapely.MultiPolygon([polygon(rings) for rings in coordinates])

@@ -1,0 +1,340 @@
+"""From a drawn floor plan to an apartment with walls, doorways and furniture.
+
+One builder for all plan formats. Decisions, all told in the notes where they
+touch an element:
+
+- Of two rooms that overlap the smaller keeps the shared floor; walls take theirs
+  from the rooms.
+- Rooms that touch (up to 6 cm apart) with no wall between are open to each other
+  and get a border. In a drawing that has no walls at all the rooms meet in the
+  middle of walls that nobody drew.
+- Sides of rooms that nothing closes are walled up.
+- A door between two rooms becomes a passage with a lintel; a door to the outside
+  a closed one. Windows need an outside.
+- A room that a robot of 15 cm cannot reach is left out (what was its floor is then
+  outside), or gets a door to a neighbour where that is asked for.
+- An opening or a fixture that the checks of `scenes.checks` refuse is left out.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from pydantic import ValidationError
+from shapely import Polygon
+
+from scenes.apartment import Apartment, Block, Frame, Point, Room, Start
+from scenes.checks import check
+from scenes.errors import SceneError
+from scenes.importers import Imported
+from scenes.importers.drawing import PlanDrawing, PlanOpening, PlanRoom, free_name
+from scenes.importers.plan_fixtures import furnished, reached
+from scenes.importers.plan_openings import LEAST_WIDTH, Openings, place_openings
+from scenes.importers.plan_rooms import (
+    borders_between,
+    closing_masonry,
+    corners,
+    fit_rooms,
+    solid_shapes,
+    wall_mass,
+    with_islands,
+)
+from scenes.passages import ROBOT_RADIUS, free_region
+from scenes.solids import polygons
+from scenes.wall_checks import check_openings, check_shared_openings
+
+__all__ = ["PlanOptions", "build_apartment"]
+
+FLOORS = {
+    "bathroom": ("tiles_white", "tiles_white"),
+    "kitchen": ("tiles_grey", "white_plaster"),
+    "storage": ("laminate", "white_plaster"),
+    "bedroom": ("carpet_beige", "cream_plaster"),
+}
+"""Floor and walls of a room that does not say them, by its kind."""
+DOOR = 0.8
+"""Width of a door that is added, m."""
+NARROWER = 0.04
+"""By how much openings become narrower at a time until they do not overlap, m."""
+_FAULT = re.compile(r"(passages|windows|furniture)\[(\d+)\][^:]*: (.*)")
+OUTERMOST = 500.0
+"""A home has no point further than this from the origin, m."""
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """What a drawing does not say.
+
+    Attributes
+    ----------
+    ceiling_height, lintel_height : float
+        m; a ``lintel_height`` of None: doorways open up to the ceiling.
+    wall_thickness : float
+        Of walls that are not drawn, m.
+    frames : bool
+        Whether doorways have frames.
+    furnish : bool
+        Whether fixtures become pieces.
+    add_doors : bool
+        Whether a room without a door gets one.
+    start : tuple of float, optional
+        Where the robot starts, m; the widest spot of the largest room if absent.
+    """
+
+    ceiling_height: float = 2.5
+    lintel_height: float | None = 2.0
+    wall_thickness: float = 0.12
+    frames: bool = True
+    furnish: bool = True
+    add_doors: bool = False
+    start: Point | None = None
+
+
+def build_apartment(
+    drawing: PlanDrawing, *, name: str, options: PlanOptions | None = None
+) -> Imported:
+    """An apartment of a drawing, and what of it could not be used.
+
+    Raises
+    ------
+    SceneError
+        If a room crosses itself, nothing is left that a robot can live in, or
+        the drawing is so far off that the result is not a possible apartment.
+    """
+    options = options or PlanOptions()
+    drawing = replace(_named(drawing), wall_shapes=solid_shapes(drawing.wall_shapes))
+    fitted = fit_rooms(drawing, options.wall_thickness)
+    if not fitted.rooms:
+        raise SceneError("no room in it; expected at least one polygon of a room")
+    _check_extent(fitted.rooms)
+    drawing = with_islands(drawing, fitted.islands)
+    apartment, openings, left_out = _reachable(drawing, fitted.rooms, name, options)
+    notes = [*drawing.notes, *fitted.notes, *left_out]
+    labels = {"passages": openings.passage_labels, "windows": openings.window_labels}
+    labels["furniture"] = []
+    if options.furnish and drawing.fixtures:
+        free = free_region(apartment, ROBOT_RADIUS)
+        pieces, labels["furniture"], more = furnished(apartment, drawing.fixtures, free)
+        apartment = apartment.model_copy(update={"furniture": tuple(pieces)})
+        notes.extend(more)
+    while problems := list(check(apartment)):
+        apartment, note = _without(apartment, labels, problems[0])
+        notes.append(note)
+    return Imported(apartment, tuple(dict.fromkeys(notes)))
+
+
+def _check_extent(rooms: Sequence[PlanRoom]) -> None:
+    bounds = shapely.total_bounds([room.shape for room in rooms])
+    if np.abs(bounds).max() > OUTERMOST:
+        raise SceneError(
+            f"coordinates up to {np.abs(bounds).max():.4g} m; expected a home within "
+            f"{OUTERMOST:g} m of the origin"
+        )
+
+
+def _reachable(
+    drawing: PlanDrawing, rooms: list[PlanRoom], name: str, options: PlanOptions
+) -> tuple[Apartment, Openings, list[str]]:
+    """The unfurnished apartment of the rooms that the robot reaches, and notes on the others."""
+    notes: list[str] = []
+    added: list[PlanOpening] = []
+    drawn = list(drawing.openings)
+    while True:
+        shell, openings = _shell(drawing, rooms, [*drawn, *added], name, options)
+        notes.extend(openings.notes)
+        free = polygons(free_region(shell, ROBOT_RADIUS))
+        start = _start(rooms, free, options.start or shell.start.position, options.start)
+        shell = shell.model_copy(
+            update={"start": shell.start.model_copy(update={"position": start})}
+        )
+        inside = reached(
+            shapely.multipolygons(free), shapely.Point(start), [room.shape for room in rooms]
+        )
+        if all(inside):
+            return shell, openings, notes
+        door = _missing_door(rooms, inside) if options.add_doors else None
+        if door is not None and door.label not in {other.label for other in added}:
+            added.append(door)
+            notes.append(f"{door.label}: added")
+            continue
+        if not any(inside):
+            raise SceneError(
+                f"no room has free floor for a robot of {ROBOT_RADIUS:g} m radius; expected a "
+                f"plan in metres"
+            )
+        notes.extend(
+            f"{room.label}: no open way for a robot of {ROBOT_RADIUS:g} m radius to "
+            f"{room.name!r} ({room.shape.area:.3g} m²); left out"
+            for room, is_in in zip(rooms, inside, strict=True)
+            if not is_in
+        )
+        rooms = [room for room, is_in in zip(rooms, inside, strict=True) if is_in]
+        # Doors to rooms that are left out are no windows.
+        joining = set(openings.passage_labels)
+        drawn = [replace(o, outside="closed") if o.label in joining else o for o in drawn]
+
+
+def _shell(
+    drawing: PlanDrawing,
+    rooms: Sequence[PlanRoom],
+    drawn: Sequence[PlanOpening],
+    name: str,
+    options: PlanOptions,
+) -> tuple[Apartment, Openings]:
+    """Rooms, walls and openings."""
+    borders = borders_between(rooms, drawing.borders)
+    masonry = closing_masonry(drawing, rooms, borders, options.wall_thickness)
+    openings = place_openings(
+        drawn,
+        rooms,
+        drawing.walls,
+        shapely.union_all([wall_mass(drawing), *masonry]),
+        lintel_height=options.lintel_height,
+        ceiling_height=options.ceiling_height,
+        frame=Frame() if options.frames else None,
+    )
+    blocks = tuple(
+        Block(
+            polygon=corners(shape.exterior), holes=tuple(corners(ring) for ring in shape.interiors)
+        )
+        for shape in masonry
+    )
+    fields = {"start": Start(position=(0.0, 0.0)), **drawing.fields}
+    apartment = Apartment(
+        name=name,
+        rooms=tuple(_room(room, options.ceiling_height) for room in rooms),
+        # Walls that carry openings come first: of two equally near the first is taken.
+        walls=(*openings.carriers, *drawing.walls),
+        blocks=(*drawing.blocks, *blocks),
+        borders=borders,
+        passages=tuple(openings.passages),
+        windows=tuple(openings.windows),
+        **fields,
+    )
+    return _possible(apartment, openings)
+
+
+def _possible(apartment: Apartment, openings: Openings) -> tuple[Apartment, Openings]:
+    """Without the openings that the checks refuse; those that overlap are narrowed first."""
+    labels = {"passages": openings.passage_labels, "windows": openings.window_labels}
+    while True:
+        overlaps = list(check_shared_openings(apartment))
+        found = [*check_openings(apartment), *overlaps]
+        if not found:
+            return apartment, openings
+        changed = _narrowed(apartment, found[0]) if found == overlaps else None
+        if changed is None:
+            changed, note = _without(apartment, labels, found[0])
+            openings.notes.append(note)
+        apartment = changed
+
+
+def _narrowed(apartment: Apartment, problem: str) -> Apartment | None:
+    """With the opening of a problem a little narrower; None if it would be too narrow."""
+    fault = _FAULT.match(problem)
+    assert fault is not None
+    items = list(getattr(apartment, fault[1]))
+    width = items[int(fault[2])].width - NARROWER
+    if width < LEAST_WIDTH:
+        return None
+    items[int(fault[2])] = items[int(fault[2])].model_copy(update={"width": round(width, 6)})
+    return apartment.model_copy(update={fault[1]: tuple(items)})
+
+
+def _without(
+    apartment: Apartment, labels: dict[str, list[str]], problem: str
+) -> tuple[Apartment, str]:
+    """The apartment without the element that a check refuses, and a note.
+
+    Raises
+    ------
+    SceneError
+        If it is neither an opening nor a piece.
+    """
+    fault = _FAULT.match(problem)
+    if fault is None:
+        raise SceneError(problem)
+    field, index = fault[1], int(fault[2])
+    items = list(getattr(apartment, field))
+    del items[index]
+    note = f"{labels[field].pop(index)}: {fault[3]}; left out"
+    return apartment.model_copy(update={field: tuple(items)}), note
+
+
+def _room(room: PlanRoom, ceiling_height: float) -> Room:
+    floor, walls = FLOORS.get(room.kind, ("parquet", "white_plaster"))
+    fields = {"ceiling_height": ceiling_height, "floor": floor, "walls": walls, **room.fields}
+    try:
+        return Room(name=room.name, kind=room.kind, polygon=corners(room.shape.exterior), **fields)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        raise SceneError(f"{room.label}: {fault['loc']}: {fault['msg']}") from None
+
+
+def _start(
+    rooms: Sequence[PlanRoom],
+    free: Sequence[Polygon],
+    wanted: Point,
+    demanded: Point | None,
+) -> Point:
+    """Where the robot starts: as wanted if that is free, else where it reaches most.
+
+    Raises
+    ------
+    SceneError
+        If the place demanded is not free, or nothing is.
+    """
+    spot = shapely.Point(wanted)
+    if any(part.covers(spot) for part in free):
+        return wanted
+    if demanded is not None:
+        raise SceneError(
+            f"start ({wanted[0]:g}, {wanted[1]:g}): no free floor for a robot of "
+            f"{ROBOT_RADIUS:g} m radius; expected a free place in a room"
+        )
+    if not free:
+        return wanted
+    home = max(free, key=lambda part: part.area)
+    largest = max(rooms, key=lambda room: float(home.intersection(room.shape).area))
+    floor = max(
+        polygons(home.intersection(largest.shape), smallest=0.0), key=lambda part: part.area
+    )
+    x, y = shapely.get_coordinates(shapely.maximum_inscribed_circle(floor, tolerance=0.01))[0]
+    return round(float(x), 3), round(float(y), 3)
+
+
+def _missing_door(rooms: Sequence[PlanRoom], inside: Sequence[bool]) -> PlanOpening | None:
+    """A door from a room that is reached to one that is not, where they share most wall."""
+    best, length = None, DOOR + 0.2
+    near = shapely.union_all(
+        [room.shape for room, is_in in zip(rooms, inside, strict=True) if is_in]
+    ).buffer(0.45, cap_style="flat", join_style="mitre")
+    for room, is_in in zip(rooms, inside, strict=True):
+        ring = shapely.get_coordinates(room.shape.exterior)
+        for a, b in itertools.pairwise(ring):
+            if is_in:
+                break
+            for part in shapely.get_parts(shapely.LineString([a, b]).intersection(near)):
+                if part.length > length:
+                    best, length = (room, part), part.length
+    if best is None:
+        return None
+    room, line = best
+    half, along = line.length / 2, DOOR / 2
+    start, end = (tuple(line.interpolate(half + s * along).coords[0]) for s in (-1, 1))
+    return PlanOpening(f"{room.label}: a door to {room.name!r}", "door", start, end)
+
+
+def _named(drawing: PlanDrawing) -> PlanDrawing:
+    """The drawing with names for its rooms that a file allows, each given once."""
+    taken: list[str] = []
+    rooms = []
+    for room in drawing.rooms:
+        taken.append(free_name(room.name, taken))
+        rooms.append(replace(room, name=taken[-1]))
+    return replace(drawing, rooms=tuple(rooms))

@@ -1,0 +1,89 @@
+"""The 3D scene that belongs to an apartment: found beside it, checked, taken along.
+
+Its name holds the first digits of its content's SHA-256, so that files of different
+content do not meet under one name.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from scenes.apartment import Apartment
+from scenes.errors import SceneError
+
+__all__ = ["find_scene_file", "take_scene_file"]
+
+
+def find_scene_file(apartment: Apartment, folder: str | Path) -> Path:
+    """The scene file of an apartment in a folder, with the content that it should have.
+
+    Raises
+    ------
+    SceneError
+        If it is not there or another one.
+    """
+    assert apartment.scene_file is not None
+    path = Path(folder) / apartment.scene_file.file
+    try:
+        with path.open("rb") as stream:
+            found = hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise SceneError(
+            f"{path}: the 3D scene of {apartment.name!r}: {error.strerror or error}; expected it "
+            f"in the folder of the apartment's or map's own file"
+        ) from None
+    if found != apartment.scene_file.sha256:
+        raise SceneError(
+            f"{path}: not the 3D scene that {apartment.name!r} was made from: SHA-256 "
+            f"{found[:8]}…; expected {apartment.scene_file.sha256[:8]}…"
+        )
+    return path
+
+
+def take_scene_file(apartment: Apartment, source: str | Path, target: str | Path) -> None:
+    """Have the scene file of an apartment in another folder, too: linked, or else copied.
+
+    Parameters
+    ----------
+    apartment : Apartment
+        Nothing happens if it has no scene file.
+    source, target : path
+        Folders.
+
+    Raises
+    ------
+    SceneError
+        If the file is missing, or a file of its name and other content is in the way.
+    """
+    if apartment.scene_file is None:
+        return
+    path, copy = find_scene_file(apartment, source), Path(target) / apartment.scene_file.file
+    if copy.exists():
+        find_scene_file(apartment, target)
+        return
+    try:
+        _link_or_copy(path, copy)
+    except FileExistsError:
+        find_scene_file(apartment, target)  # another process was faster
+    except OSError as error:
+        raise SceneError(f"{copy}: cannot be written: {error.strerror or error}") from None
+
+
+def _link_or_copy(path: Path, copy: Path) -> None:
+    """Make ``copy`` at once and whole, or not at all; FileExistsError if it is there."""
+    with suppress(OSError):
+        os.link(path, copy)
+        return
+    handle, temporary = tempfile.mkstemp(dir=copy.parent, prefix=f".{copy.name}.")
+    os.close(handle)
+    try:
+        shutil.copyfile(path, temporary)
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(copy)
+    finally:
+        Path(temporary).unlink(missing_ok=True)
