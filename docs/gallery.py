@@ -35,6 +35,8 @@ from scenes import (
 HERE = Path(__file__).resolve().parent
 SHEET = (4, 3)
 """Columns and rows of a sheet of made-up apartments."""
+THUMBNAIL = 0.65
+"""Size of a sheet's pictures beside that of the places'."""
 LOOK = 1
 """To be raised when `render.cutaway` changes what pictures look like."""
 
@@ -70,11 +72,13 @@ class Shown:
         return f"{self.apartment.name}: {rooms} room{'s' * (rooms > 1)}, {area}"
 
 
-def render_all(apartments: list[Apartment], folder: Path, size: int, samples: int) -> list[Shown]:
+def render_all(
+    what: str, apartments: list[Apartment], folder: Path, *, size: int, samples: int
+) -> list[Shown]:
     """Render what is not there yet."""
     shown = []
     with progress_bar("pictures") as bar:
-        task = bar.add_task("gallery", total=len(apartments))
+        task = bar.add_task(what, total=len(apartments))
         for apartment in apartments:
             content = f"{LOOK} {size} {samples} {apartment_to_json(apartment)}"
             mark = hashlib.sha256(content.encode()).hexdigest()[:16]
@@ -141,8 +145,12 @@ def main(*, seeds: int, size: int, samples: int, quality: int, output: Path) -> 
     names.sort(key=lambda name: (name.startswith("novel"), name.startswith("real"), name))
     places = [load_apartment(name) for name in names]
     homes = [generate_apartment(seed) for seed in range(1, seeds + 1)]
-    shown = render_all(places + homes, output, size, samples)
-    write_page(shown[: len(places)], shown[len(places) :], quality)
+    small = round(THUMBNAIL * size)
+    write_page(
+        render_all("places", places, output, size=size, samples=samples),
+        render_all("seeds", homes, output, size=small, samples=samples),
+        quality,
+    )
     click.echo(HERE / "gallery.md")
 
 

@@ -45,12 +45,14 @@ def configure(
 ) -> None:
     """Set Cycles up for ``preset`` on ``threads`` threads (all, if None).
 
-    ``glass``: light goes through it. Our own panes are transparent and do not refract
-    (`render.shading`), foreign ones do.
+    ``glass``: there is glass that refracts. Our own panes are transparent instead; frosted
+    ones pass light on as often as matte surfaces do (`render.shading`).
     """
     scene.render.engine = "CYCLES"
     _configure_sampling(scene.cycles, preset)
-    scene.cycles.transmission_bounces = preset.max_bounces if glass else 0
+    scene.cycles.transmission_bounces = (
+        preset.max_bounces if glass else scene.cycles.diffuse_bounces
+    )
     scene.cycles.caustics_refractive = glass
     _configure_denoising(scene, preset)
     render = scene.render

@@ -105,6 +105,14 @@ def _remove_modifiers(item: Any) -> Iterator[str]:
         if modifier.type in READING_MODIFIERS:
             yield f"object {item.name!r}: modifier {modifier.name!r} reads a file; left out"
             item.modifiers.remove(modifier)
+        elif modifier.type == "NODES":
+            modifier.bake_directory = ""
+            for bake in modifier.bakes:
+                bake.directory = ""
+    for owner in (*item.modifiers, *item.particle_systems):
+        cache = getattr(owner, "point_cache", None)
+        if cache is not None:
+            cache.use_external = False
 
 
 def settle_images(bpy: Any, folder: Path | None) -> list[str]:

@@ -115,9 +115,11 @@ def _unused(scene: Any, bodies: list[Body], shown: set[str]) -> Iterator[str]:
     """One line for each object that does not show."""
     used = {body.name for body in bodies}
     for item in scene.objects:
+        kind = item.type.lower()
+        if any(system.settings.type == "HAIR" for system in item.particle_systems):
+            yield f"{kind} {item.name!r}: its hair is left out"
         if item.name in used or item.type in SILENT:
             continue
-        kind = item.type.lower()
         if item.type == "EMPTY":
             if not item.children and item.instance_collection is None:
                 yield f"empty {item.name!r}: nothing to see; left out"

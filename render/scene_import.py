@@ -48,6 +48,7 @@ UNITS = {1.0: "m", 0.3048: "ft", 0.0254: "in", 0.01: "cm", 0.001: "mm"}
 USUAL_HEIGHT = 2.6
 LOWEST, HIGHEST, LARGEST = 0.5, 100.0, 1000.0
 """Heights and extent that a scene may have, m; else its unit is taken for wrong."""
+MOST_TRIANGLES = 10_000_000
 DEFAULT_CEILING = 2.5
 TOLERANCE = 2e-3
 """How far outlines may be moved to get fewer corners, m."""
@@ -222,8 +223,11 @@ def perform(
     notes += settle_images(bpy, source.parent)
     bodies, unused = evaluate_scene(bpy, scene)
     triangles = triangles_of(bodies)
-    if not len(triangles):
-        raise SceneError(f"{source}: no surface that is rendered; expected a scene with meshes")
+    if not 0 < len(triangles) <= MOST_TRIANGLES:
+        raise SceneError(
+            f"{source}: {len(triangles)} triangles that are rendered; expected 1 to "
+            f"{MOST_TRIANGLES}"
+        )
     if scale is None and source.suffix.lower() == ".blend":
         has_unit = scene.unit_settings.system != "NONE"
     frame = _frame(source, triangles, scale or _unit(source, scene, triangles, has_unit), floor)

@@ -18,6 +18,7 @@ from shapely import Polygon
 from scenes.apartment import Apartment, Piece, Room
 from scenes.lamps import BODY_HEIGHT, lamp_underside
 from scenes.materials import BUILT_IN
+from scenes.parts import Part
 from scenes.passages import ROBOT_RADIUS, free_region
 from scenes.pieces import KINDS, piece_parts
 from scenes.solids import Prism, block_footprint, floor_region, polygons
@@ -186,6 +187,18 @@ def _misplaced(apartment: Apartment, piece: Piece, allowed: shapely.Geometry) ->
     top, ceiling = max(part.top for part in parts), homes[0].ceiling_height
     if top > ceiling + 1e-9:
         return f"its top at {top:.3g} m is above the ceiling; expected at most {ceiling:g} m"
+    return _in_block(apartment, parts)
+
+
+def _in_block(apartment: Apartment, parts: list[Part]) -> str | None:
+    """What is wrong if a piece stands in a column or hangs in a step of the ceiling."""
+    for index, block in enumerate(apartment.blocks):
+        top = np.inf if block.top is None else block.top
+        level = [
+            p.footprint for p in parts if p.bottom < top - 1e-9 and p.top > block.bottom + 1e-9
+        ]
+        if level and is_thick(shapely.union_all(level).intersection(block_footprint(block))):
+            return f"reaches into blocks[{index}]; expected beside, below or above it"
     return None
 
 

@@ -82,7 +82,7 @@ def _transmission(elevation_deg: float) -> float:
         return 0.0
     slant = 0.50572 * (elevation_deg + 6.07995) ** -1.6364
     mass = 1.0 / (math.sin(math.radians(elevation_deg)) + slant)
-    return 0.7**mass**0.678
+    return float(0.7 ** (mass**0.678))
 
 
 def _sky(elevation_deg: float) -> float:

@@ -10,7 +10,6 @@ import hashlib
 import os
 import shutil
 import tempfile
-from contextlib import suppress
 from pathlib import Path
 
 from scenes.apartment import Apartment
@@ -46,7 +45,9 @@ def find_scene_file(apartment: Apartment, folder: str | Path) -> Path:
 
 
 def take_scene_file(apartment: Apartment, source: str | Path, target: str | Path) -> None:
-    """Have the scene file of an apartment in another folder, too: linked, or else copied.
+    """Copy the scene file of an apartment to another folder, unless it is there.
+
+    A copy, not a link: what is written into one later does not change the other.
 
     Parameters
     ----------
@@ -67,23 +68,13 @@ def take_scene_file(apartment: Apartment, source: str | Path, target: str | Path
         find_scene_file(apartment, target)
         return
     try:
-        _link_or_copy(path, copy)
-    except FileExistsError:
-        find_scene_file(apartment, target)  # another process was faster
+        handle, temporary = tempfile.mkstemp(dir=copy.parent, prefix=f".{copy.name}.")
+        os.close(handle)
+        try:
+            shutil.copyfile(path, temporary)
+            Path(temporary).chmod(0o644)
+            Path(temporary).replace(copy)
+        finally:
+            Path(temporary).unlink(missing_ok=True)
     except OSError as error:
         raise SceneError(f"{copy}: cannot be written: {error.strerror or error}") from None
-
-
-def _link_or_copy(path: Path, copy: Path) -> None:
-    """Make ``copy`` at once and whole, or not at all; FileExistsError if it is there."""
-    with suppress(OSError):
-        os.link(path, copy)
-        return
-    handle, temporary = tempfile.mkstemp(dir=copy.parent, prefix=f".{copy.name}.")
-    os.close(handle)
-    try:
-        shutil.copyfile(path, temporary)
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(copy)
-    finally:
-        Path(temporary).unlink(missing_ok=True)

@@ -38,8 +38,10 @@ Ints = NDArray[np.int64]
 CELL = 0.025
 """m."""
 
-HIT, PASS, CONTACT = 2, 1, 8
-"""What a laser point, a beam that passes and a contact add to or take from a cell's evidence."""
+HIT, PASS = 2, 1
+"""What a laser point adds to a cell's evidence, and a beam that passes takes from it."""
+CONTACT = 100
+"""Evidence of a contact. Beams do not lessen it: what was felt may be below or above them."""
 LOW, HIGH, BLOCKED = -2, 8, 2
 """Limits of the evidence, and from where on a cell may count as an obstacle."""
 SUPPORT = 3
@@ -99,7 +101,8 @@ def pass_beams(cells: Cells, pose: Floats, angles: Floats, reach: Floats) -> Non
             i, j = cell_at(cells, pose[0] + length * along_x, pose[1] + length * along_y)
             if (i, j) != last:
                 cells.seen[i, j] = True
-                cells.evidence[i, j] = max(cells.evidence[i, j] - PASS, LOW)
+                if cells.evidence[i, j] <= HIGH:
+                    cells.evidence[i, j] = max(cells.evidence[i, j] - PASS, LOW)
                 last = (i, j)
 
 

@@ -62,13 +62,19 @@ class GridMap:
         self._hold(pose[:2], max(1.0, float(reach.max())) + _MARGIN)
         gridcells.pass_beams(self._cells, pose, angles, reach)
         direction = np.stack([np.cos(angles[hit]), np.sin(angles[hit])], axis=1)
-        self._mark(pose[:2] + ranges[hit, None] * direction, gridcells.HIT)
+        x, y = self.cells(pose[:2] + ranges[hit, None] * direction).T
+        counted = np.maximum(self.evidence[x, y], 0) + gridcells.HIT
+        # What was felt stays more than what was seen.
+        felt = self.evidence[x, y] > gridcells.HIGH
+        self.evidence[x, y] = np.where(
+            felt, self.evidence[x, y], np.minimum(counted, gridcells.HIGH)
+        )
 
     def add_contact(self, pose: Floats, bearing: float, radius: float) -> None:
         """Enter a bumper contact at ``bearing`` rad from the heading."""
         angle = pose[2] + bearing
         point = pose[:2] + radius * np.array([np.cos(angle), np.sin(angle)])
-        self._mark(point[None], gridcells.CONTACT)
+        self.evidence[tuple(self.cells(point[None])[0])] = gridcells.CONTACT
 
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
@@ -149,12 +155,6 @@ class GridMap:
     @property
     def _cells(self) -> Cells:
         return Cells(self.evidence, self.seen, self.corner)
-
-    def _mark(self, points: Floats, weight: int) -> None:
-        x, y = self.cells(points).T
-        self.evidence[x, y] = np.minimum(
-            np.maximum(self.evidence[x, y], 0) + weight, gridcells.HIGH
-        )
 
     def _hold(self, point: Floats, margin: float) -> None:
         """Grow until everything within ``margin`` m of ``point`` is on the grid."""

@@ -143,15 +143,15 @@ class Pilot:
 
     def drive_to(self, point: Floats) -> bool:
         """Turn towards a point (2,), m, and drive there; False if something is in the way."""
-        for _ in range(3):
-            gap = point - self.position
-            length = float(np.hypot(*gap))
-            if length < 0.015:
-                return True
-            heading = float(np.arctan2(gap[1], gap[0]))
-            self.turn_to(heading)
-            if self.follow(heading, length, careful=False, dodge=0.08) is End.CONTACT:
-                self.back_off()
+        gap = point - self.position
+        length = float(np.hypot(*gap))
+        if length < 0.015:
+            return True
+        heading = float(np.arctan2(gap[1], gap[0]))
+        self.turn_to(heading)
+        # More than a graze is for a new plan: what was felt is now on the grid.
+        if self.follow(heading, length, careful=False, dodge=0.03) is End.CONTACT:
+            self.back_off()
         return float(np.hypot(*(point - self.position))) < 0.05
 
     def drive_around(self, point: Floats) -> bool:

@@ -38,11 +38,8 @@ SUFFIXES = {
     ".geojson": "geojson",
     ".svg": "cubicasa",
     ".txt": "r2v",
-} | dict.fromkeys(
-    (".blend", ".glb", ".gltf", ".obj", ".fbx", ".stl", ".ply", ".usd", ".usda", ".usdc", ".usdz"),
-    "scene",
-)
-"""Formats by suffix; a ``.json`` file says by its content what it is."""
+}
+"""Formats by suffix, but for those of 3D scenes; ``.json`` says by its content what it is."""
 
 OPTIONS = {"ceiling_height": "--ceiling"}
 """Options that are not called as the readers' parameters are."""
@@ -166,15 +163,18 @@ def command(*, file: Path, output: Path, format_: str | None, **options: Any) ->
 def _format_of(file: Path) -> str:
     """Tell the format by the suffix, that of JSON by what is in it."""
     from dataset.errors import RoomsegError
+    from render.scene_files import FORMATS
 
     suffix = file.suffix.lower()
     if suffix == ".json":
         return _json_format(file)
+    if suffix in FORMATS:
+        return "scene"
     if suffix in SUFFIXES:
         return SUFFIXES[suffix]
     raise RoomsegError(
-        f"{file}: its suffix says nothing; expected one of .json, {', '.join(SUFFIXES)}, "
-        f"or --format"
+        f"{file}: its suffix says nothing; expected one of .json, "
+        f"{', '.join([*SUFFIXES, *FORMATS])}, or --format"
     )
 
 

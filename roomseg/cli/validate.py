@@ -8,6 +8,7 @@ import click
 
 from roomseg.cli.options import json_option
 from roomseg.cli.output import write_json
+from roomseg.cli.sources import is_apartment
 
 EXAMPLE = """\b
 Example:
@@ -57,7 +58,7 @@ def _judge(files: tuple[Path, ...]) -> tuple[dict[str, list[str]], Exception | N
 
 
 def _problems(path: Path) -> list[str]:
-    if path.suffix == ".json":
+    if is_apartment(path):
         return _problems_of_apartment(path)
     from dataset import problems
     from dataset.storage import open_map
@@ -70,7 +71,7 @@ def _problems_of_apartment(path: Path) -> list[str]:
     from scenes import SceneError, load_apartment
 
     try:
-        load_apartment(path)
+        load_apartment(str(path))
     except SceneError as error:
         if not error.problems:
             raise

@@ -59,8 +59,7 @@ def _features(apartment: Apartment) -> Iterator[dict[str, Any]]:
         for item in items:
             yield _feature(layer, _line(apartment, item.position, item.width), item)
     for piece in apartment.furniture:
-        size = {"size": list(piece.size or KINDS[piece.kind].size)}
-        yield _feature("furniture", piece_outline(piece), piece, **size)
+        yield _feature("furniture", piece_outline(piece), piece)
     for lamp in apartment.lamps:
         yield _feature("lamp", shapely.Point(lamp.position), lamp)
     yield _feature("start", shapely.Point(apartment.start.position), apartment.start)
@@ -82,13 +81,11 @@ def _line(apartment: Apartment, position: tuple[float, float], width: float) -> 
     return shapely.LineString(opening.points(np.array([(-half, 0.0), (half, 0.0)])))
 
 
-def _feature(
-    layer: str, shape: shapely.Geometry, item: BaseModel | None, **more: Any
-) -> dict[str, Any]:
+def _feature(layer: str, shape: shapely.Geometry, item: BaseModel | None) -> dict[str, Any]:
     fields = {} if item is None else item.model_dump(mode="json", exclude=set(GEOMETRY))
     return {
         "type": "Feature",
-        "properties": {"layer": layer, **fields, **more},
+        "properties": {"layer": layer, **fields},
         "geometry": _geometry(shape),
     }
 

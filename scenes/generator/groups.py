@@ -20,6 +20,7 @@ __all__ = [
     "dining",
     "kitchen_row",
     "lounge",
+    "round_dining",
     "small",
     "washbasin",
     "workplace",
@@ -82,14 +83,14 @@ def lounge(
     ``depths``: from the wall to the back of the sofa, m; ``wide``: of the sofa, m.
     """
     screen = float(rng.choice([1.2, 1.5, 1.8]))
-    board = rng.random() < 0.5
+    board = rng.choice(["tv_stand", "sideboard", "chest_of_drawers"], p=[0.25, 0.25, 0.5])
     back = 0.92 if sofa != "corner_sofa" else 1.7
     for depth in depths:
-        if board:
+        if board == "tv_stand":
             first = [behind("tv_stand", (screen, 0.42, 1.1))]
         else:
             hung = Member("tv", (min(screen, 1.4), 0.07, 0.75), 0.0, -0.055)
-            first = [behind("sideboard", (screen + 0.1, 0.42, 0.6)), hung]
+            first = [behind(str(board), (screen + 0.1, 0.42, 0.6)), hung]
         seat_depth = 0.9 if sofa != "corner_sofa" else 1.7
         seat = Member(sofa, (wide, seat_depth, 0.82), 0.0, -(depth - seat_depth / 2), 180)
         table_y = -(depth - 0.92 - 0.3 - 0.28)

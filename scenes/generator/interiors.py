@@ -121,8 +121,7 @@ def _lounges(rng: np.random.Generator, site: Site) -> Iterator[Group]:
     x0, y0, x1, y1 = site.box
     spans = [span - 0.02 for span in (x1 - x0, y1 - y0) if 2.5 <= span <= 4.4]
     far = [3.4, 3.1, 2.8, 2.6]
-    kinds = ["sofa", "low_sofa"]
-    kind = kinds[int(rng.integers(2))]
+    kind = "sofa" if rng.random() < 0.3 else "low_sofa"
     if site.area > 20.0 and rng.random() < 0.35:
         yield from groups.lounge(rng, [*spans, *far[:3]], wide=2.4, sofa="corner_sofa")
     wide = float(rng.choice([1.9, 2.1, 2.3])) if site.area > 15.0 else 1.7
@@ -144,7 +143,7 @@ def _tables(rng: np.random.Generator, area: float) -> Choice:
 
 
 def _bedroom(rng: np.random.Generator, site: Site) -> Iterator[Choice]:
-    kind = "bed" if rng.random() < 0.4 else "divan_bed"
+    kind = "bed" if rng.random() < 0.25 else "divan_bed"
     single = site.area < 8.5 or (site.area < 12.0 and rng.random() < 0.5)
     child = single and rng.random() < 0.7
     if single:
@@ -172,8 +171,6 @@ def _kitchen(rng: np.random.Generator, site: Site) -> Iterator[Choice]:
     lengths = [length for length in (4.0, 3.6, 3.2, 2.9, 2.6, 2.3, 2.0) if length <= longest]
     start = int(rng.integers(min(2, max(len(lengths), 1)))) if site.area < 14 else 0
     yield [groups.kitchen_row(rng, length) for length in lengths[start:]]
-    if site.area > 15.0 and rng.random() < 0.6:
-        yield [Group((Member("kitchen_island", (1.6, 0.9, 0.9)),), free=True)]
     if site.area > 6.5:
         yield (
             _tables(rng, min(site.area, 15.0))
@@ -214,8 +211,10 @@ def _corridor(rng: np.random.Generator, site: Site) -> Iterator[Choice]:
     x0, y0, x1, y1 = site.box
     broad = min(x1 - x0, y1 - y0) > 1.5
     yield [_coats(0.9), _coats(0.6)]
+    if min(x1 - x0, y1 - y0) > 1.25:
+        deep = 0.5 if broad else 0.36
+        yield [alone("wardrobe", (w, deep, 2.1), corner=0.6) for w in (1.6, 1.2, 0.9)]
     if broad:
-        yield [alone("wardrobe", (w, 0.45, 2.1)) for w in (1.2, 0.9)]
         yield [alone("bench", (1.0, 0.35, 0.45), corner=0.0)]
     mirror = Member("mirror", (0.5, 0.03, 1.2), 0.0, -0.03, 0, 0.7)
     yield [Group((mirror,))]
@@ -253,45 +252,59 @@ _NEEDS: dict[RoomKind, Callable[[np.random.Generator, Site], Iterator[Choice]]] 
 
 
 _FILL: dict[RoomKind, tuple[str, ...]] = {
-    "living_room": ("armchair", "plant", "bookcase", "sideboard", "floor_lamp", "desk", "chest"),
+    "living_room": (
+        "armchair",
+        "bookcase",
+        "low_cabinet",
+        "plant",
+        "divider",
+        "desk",
+        "floor_lamp",
+    ),
     "bedroom": ("armchair", "wardrobe", "shelf", "chest", "plant", "desk", "laundry_basket"),
-    "kitchen": ("counter", "cabinet", "sideboard", "stool", "plant"),
+    "kitchen": ("counter", "island", "cabinet", "low_cabinet", "plant"),
     "bathroom": ("laundry_basket", "cabinet", "stool"),
-    "corridor": ("narrow", "plant", "narrow"),
-    "office": ("armchair", "shelf", "plant", "bookcase", "chest", "printer"),
+    "corridor": ("narrow", "narrow", "plant"),
+    "office": ("armchair", "low_cabinet", "shelf", "plant", "bookcase", "chest", "printer"),
     "storage": ("box", "box", "laundry_basket", "narrow"),
     "other": ("shelf", "armchair", "wardrobe", "box", "plant", "chest"),
 }
 _FILLERS = {
-    "armchair": alone("armchair", (0.78, 0.82, 0.84), front=0.3, corner=0.5),
+    "armchair": alone("armchair", (0.8, 0.85, 0.84), front=0.25, corner=0.5),
     "bench": alone("bench", (1.1, 0.36, 0.45)),
     "bookcase": alone("bookcase", (1.5, 0.32, 2.1), front=0.4, corner=0.4),
     "box": alone("box", (0.5, 0.42, 0.5), corner=0.6),
     "cabinet": alone("shelf", (0.6, 0.35, 1.7), corner=0.5),
     "chest": alone("chest_of_drawers", (0.9, 0.45, 0.85), front=0.45),
-    "counter": alone("kitchen_counter", (1.2, 0.6, 0.9), front=0.6, corner=0.5),
+    "counter": alone("kitchen_counter", (1.5, 0.6, 0.9), front=0.6, corner=0.5),
     "desk": groups.desk(1.2),
+    "divider": Group((Member("room_divider", (1.6, 0.38, 1.7)),), free=True),
     "floor_lamp": alone("floor_lamp", (0.4, 0.4, 1.6), corner=1.0),
+    "island": Group((Member("kitchen_island", (1.4, 0.85, 0.9)),), free=True),
     "laundry_basket": alone("laundry_basket", (0.4, 0.4, 0.6), corner=0.7),
-    "narrow": alone("shelf", (0.7, 0.24, 0.9), corner=0.4),
+    "low_cabinet": alone("chest_of_drawers", (1.7, 0.48, 0.8), front=0.4),
+    "narrow": alone("shelf", (1.1, 0.28, 0.9), corner=0.4),
     "plant": alone("plant", (0.5, 0.5, 1.1), corner=0.8, window=-0.4),
     "printer": alone("filing_cabinet", (0.45, 0.6, 0.72), front=0.4),
     "shelf": alone("shelf", (1.2, 0.4, 1.9), front=0.4, corner=0.4),
-    "sideboard": alone("sideboard", (1.7, 0.48, 0.8), front=0.4),
     "stool": alone("stool", (0.35, 0.35, 0.45), corner=0.4),
     "wardrobe": alone("wardrobe", (1.5, 0.6, 2.1), front=0.55, corner=0.5),
 }
 
 
+_LEAST_AREA = {"divider": 28.0, "island": 12.0}
+"""Rooms from which on such a piece makes sense, m²."""
+
+
 def _fillers(rng: np.random.Generator, site: Site) -> Iterator[Group]:
     """More pieces for a room that is still too empty, in random order."""
-    names = _FILL[site.kind]
+    names = [name for name in _FILL[site.kind] if site.area >= _LEAST_AREA.get(name, 0.0)]
     for _ in range(1 + int(site.area / 14.0)):
         yield from (_FILLERS[names[k]] for k in rng.permutation(len(names)))
 
 
 _LITTER: dict[RoomKind, tuple[str, ...]] = {
-    "living_room": ("toys", "cable", "box", "pet_bowl", "basket"),
+    "living_room": ("toys", "cable", "box", "pet_bowl"),
     "bedroom": ("toys", "shoes", "cable", "basket", "box"),
     "kitchen": ("pet_bowl", "box", "bin"),
     "bathroom": ("basket", "bin", "stool"),

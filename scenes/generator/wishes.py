@@ -63,7 +63,12 @@ class Wishes:
         asked = {name: value for name, value in asdict(self).items() if value is not None}
         if not asked:
             return ""
-        text = json.dumps(asked, sort_keys=True, default=float)
+        # As text of numbers of one type: 40 and 40.0 ask for the same.
+        plain = {
+            name: value if isinstance(value, str) else np.array(value, dtype=float).tolist()
+            for name, value in asked.items()
+        }
+        text = json.dumps(plain, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:8]
 
     def _problems(self) -> Iterator[str]:

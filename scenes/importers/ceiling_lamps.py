@@ -20,6 +20,8 @@ THICKNESS = 0.1
 LOWEST = 1.9
 """Least height of a ceiling that carries a lamp, m."""
 POWER = 40.0
+CLEARANCE = 0.5
+"""Lamps are better that far from walls and furniture, m."""
 WORTH = 3
 """A lamp more must light so many spots, 0.5 m apart."""
 
@@ -45,16 +47,7 @@ def ceiling_lamps(apartment: Apartment, triangles: Triangles) -> tuple[Lamp, ...
         spots = np.array([apartment.start.position])
     heights = lowest_above(triangles, spots, LOWEST)
     heights = np.minimum(heights, min(room.ceiling_height for room in apartment.rooms))
-    sees = _in_sight(apartment, spots)
-    dark = np.ones(len(spots), dtype=bool)
-    chosen: list[int] = []
-    while dark.any():
-        gain = (sees & dark).sum(axis=1)
-        best = int(gain.argmax())
-        if chosen and gain[best] < WORTH:
-            break
-        chosen.append(best)
-        dark &= ~sees[best]
+    chosen = _chosen(_in_sight(apartment, spots), _is_roomy(apartment, spots))
     return tuple(
         Lamp(
             position=(float(spots[k, 0]), float(spots[k, 1])),
@@ -64,6 +57,27 @@ def ceiling_lamps(apartment: Apartment, triangles: Triangles) -> tuple[Lamp, ...
         )
         for k in chosen
     )
+
+
+def _chosen(sees: NDArray[np.bool_], roomy: NDArray[np.bool_]) -> list[int]:
+    """Spots that have nearly all others in sight, in roomy places as far as that goes."""
+    dark = np.ones(len(sees), dtype=bool)
+    chosen: list[int] = []
+    for allowed in (roomy, np.ones_like(roomy)):
+        while True:
+            gain = np.where(allowed, (sees & dark).sum(axis=1), 0)
+            best = int(gain.argmax())
+            if gain[best] < WORTH and (chosen or not allowed.all()):
+                break
+            chosen.append(best)
+            dark &= ~sees[best]
+    return chosen
+
+
+def _is_roomy(apartment: Apartment, spots: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which spots are in no doorway or corner."""
+    roomy: NDArray[np.bool_] = shapely.intersects_xy(free_region(apartment, CLEARANCE), spots)
+    return roomy
 
 
 def _in_sight(apartment: Apartment, spots: NDArray[np.float64]) -> NDArray[np.bool_]:

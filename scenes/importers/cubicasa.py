@@ -3,10 +3,11 @@
 Coordinates are pixels of a drawing, y down, without a scale. What is read:
 
 - ``Space Bedroom``, ``Space LivingRoom`` …: rooms; their outline is the group's first
-  polygon. ``Outdoor``, ``Balcony`` and ``Garage`` are outside and left out.
+  polygon. ``Outdoor``, ``Balcony``, ``Garage``, ``StairWell`` … are no rooms for a robot.
 - ``Wall`` and ``Column``: footprints. ``Door`` and ``Window``: thin outlines, in a
   wall's group or beside it.
-- ``FixedFurniture Toilet`` …: the polygon of its ``BoundaryPolygon``, or the first one.
+- ``FixedFurniture Toilet`` …: the polygon of its ``BoundaryPolygon``, or the box around
+  all that is drawn of it.
 - ``transform`` of any group. Everything else (labels, dimensions, panels) is no part
   of the plan; railings and stairs are left out, and said so.
 """
@@ -45,23 +46,42 @@ SPACES: dict[str, RoomKind] = {
     "Bedroom": "bedroom",
     "Closet": "storage",
     "Corridor": "corridor",
+    "Den": "office",
     "Dining": "living_room",
     "DraughtLobby": "corridor",
+    "DressingRoom": "storage",
+    "EatingArea": "living_room",
     "Entry": "corridor",
     "Hall": "corridor",
+    "HallWay": "corridor",
     "Kitchen": "kitchen",
     "Library": "office",
     "LivingRoom": "living_room",
     "Lounge": "living_room",
     "Office": "office",
+    "Pantry": "storage",
     "Sauna": "bathroom",
     "Storage": "storage",
     "TechnicalRoom": "storage",
     "Utility": "storage",
 }
 OUTSIDE = frozenset(
-    {"Outdoor", "Balcony", "Terrace", "CarPort", "Garage", "Garbage", "SwimmingPool"}
+    {
+        "Balcony",
+        "Below150cm",
+        "CarPort",
+        "Elevator",
+        "Garage",
+        "Garbage",
+        "OpenToBelow",
+        "Outdoor",
+        "Skylights",
+        "StairWell",
+        "SwimmingPool",
+        "Terrace",
+    }
 )
+"""Spaces that are no rooms for a robot."""
 FIXTURES = {
     "BaseCabinet": "kitchen_counter",
     "Bathtub": "bath",
@@ -69,11 +89,13 @@ FIXTURES = {
     "Closet": "wardrobe",
     "CoatCloset": "wardrobe",
     "CoatRack": "coat_rack",
+    "CornerSink": "basin",
     "CounterTop": "kitchen_counter",
     "Dishwasher": "dishwasher",
     "DoubleSink": "basin",
     "DoubleSinkRight": "basin",
     "Fireplace": "fireplace",
+    "FireplaceCorner": "fireplace",
     "GasStove": "cooker",
     "IntegratedStove": "cooker",
     "Jacuzzi": "bath",
@@ -184,17 +206,17 @@ class _Groups:
 
     def _take(self, group: Element, matrix: Floats) -> bool:
         """Take over one group; whether its inner groups are to be looked at."""
-        words = group.get("class", "").split() or group.get("id", "").split()
-        first = words[0] if words else ""
-        kind = words[1] if len(words) > 1 else ""
-        if first not in ("Space", "Wall", "Column", "Door", "Window", "FixedFurniture", *_UNUSED):
+        words = [*group.get("class", "").split(), ""]
+        first = group.get("id", "") if group.get("id") in _BY_ID else words[0]
+        if first not in ("Space", "Column", "FixedFurniture", *_BY_ID):
             return True
+        kind = next((word for word in words[1:] if word != "ElectricalAppliance"), "")[:40]
         self.counts[first] = self.counts.get(first, 0) + 1
         label = f"{first}{' ' + kind if kind else ''} {self.counts[first]}"
         if first in _UNUSED:
             self.notes.append(f"{label}: not used; left out")
             return False
-        shape = self._polygon(label, group, matrix, deep=first == "FixedFurniture")
+        shape = self._shape(label, first, group, matrix)
         if shape is None:
             self.notes.append(f"{label}: has no polygon; left out")
         elif first == "Space":
@@ -207,27 +229,49 @@ class _Groups:
             self.openings.append((label, first, shape))
         return first == "Wall"
 
-    def _polygon(self, label: str, group: Element, matrix: Floats, deep: bool) -> Polygon | None:
-        """The outline of a group: its first polygon; of furniture that of its boundary."""
-        found = next(_outlines(group), None)
-        if deep:
-            for child in group:
-                if "BoundaryPolygon" in child.get("class", "").split():
-                    matrix, found = matrix @ self._transform(child), next(_outlines(child), found)
-                    break
-        if found is None:
+    def _shape(self, label: str, first: str, group: Element, matrix: Floats) -> Polygon | None:
+        """The outline of a group, y up."""
+        if first == "FixedFurniture":
+            points = self._fixture(label, group, matrix)
+        else:
+            outline = next(_outlines(group), None)
+            points = None if outline is None else self._points(label, outline, matrix)
+        if points is None:
             return None
-        numbers = [float(text) for text in NUMBER.findall(found)]
-        if len(numbers) < 6 or len(numbers) % 2 or not np.isfinite(numbers).all():
-            raise SceneError(
-                f"{self.path}: {label}: points {found!r:.40}; expected at least three x,y"
-            )
-        points = np.column_stack([np.reshape(numbers, (-1, 2)), np.ones(len(numbers) // 2)])
-        shape = Polygon((points @ matrix.T)[:, :2] * (1.0, -1.0))
-        if not shape.is_valid:
+        shape = Polygon(points * (1.0, -1.0))
+        if first == "Space" and not shape.is_valid:
             reason = shapely.is_valid_reason(shape)
             raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
-        return shape if shape.area > 0.0 else None
+        shape = shape if shape.is_valid else shape.convex_hull
+        return shape if shape.geom_type == "Polygon" and shape.area > 0.0 else None
+
+    def _fixture(self, label: str, group: Element, matrix: Floats) -> Floats | None:
+        """Corners of a fixture: its boundary, or the box around all its outlines."""
+        inner = [(child, matrix @ self._transform(child)) for child in group if _tag(child) == "g"]
+        for child, own in inner:
+            outline = next(_outlines(child), None)
+            if outline is not None and "BoundaryPolygon" in child.get("class", "").split():
+                return self._points(label, outline, own)
+        drawn = [
+            self._points(label, outline, own)
+            for child, own in [(group, matrix), *inner]
+            for outline in _outlines(child)
+        ]
+        if not drawn:
+            return None
+        (x0, y0), (x1, y1) = np.min(np.concatenate(drawn), 0), np.max(np.concatenate(drawn), 0)
+        return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+
+    def _points(self, label: str, outline: str, matrix: Floats) -> Floats:
+        """Points (n, 2) of an outline after its transform, y down."""
+        numbers = [float(text) for text in NUMBER.findall(outline)]
+        if len(numbers) < 6 or len(numbers) % 2 or not np.isfinite(numbers).all():
+            raise SceneError(
+                f"{self.path}: {label}: points {outline!r:.40}; expected at least three x,y"
+            )
+        points = np.column_stack([np.reshape(numbers, (-1, 2)), np.ones(len(numbers) // 2)])
+        moved: Floats = (points @ matrix.T)[:, :2]
+        return moved
 
     def _transform(self, group: Element) -> Floats:
         """The matrix (3, 3) of a group's ``transform``."""
@@ -246,6 +290,8 @@ class _Groups:
 
 
 _UNUSED = ("Railing", "Stairs")
+_BY_ID = ("Wall", "Door", "Window", *_UNUSED)
+"""Groups that say by their id, too, what they are."""
 
 
 def _outlines(group: Element) -> Iterator[str]:
@@ -291,7 +337,7 @@ def _drawing(groups: _Groups, scale: float) -> PlanDrawing:
     rooms = []
     for label, kind, shape in groups.spaces:
         if kind in OUTSIDE:
-            notes.append(f"{label}: outside, no room for a robot; left out")
+            notes.append(f"{label}: no room for a robot; left out")
         else:
             name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind or "room").lower()
             rooms.append(PlanRoom(label, name, SPACES.get(kind, "other"), metres(shape)))

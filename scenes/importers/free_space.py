@@ -186,8 +186,7 @@ def _check_extent(parts: list[Polygon], origin: str) -> None:
 
 def _robot_parts(parts: list[Polygon]) -> list[Polygon]:
     """Where the robot's centre can be, part by part, without the specks."""
-    eroded = shapely.union_all(shapely.buffer(parts, -ROBOT_RADIUS, quad_segs=16))
-    return polygons(eroded, smallest=LEEWAY)
+    return polygons(shapely.buffer(parts, -ROBOT_RADIUS, quad_segs=16), smallest=LEEWAY)
 
 
 def _robot_floor(parts: list[Polygon], origin: str, start: Point | None) -> Polygon:

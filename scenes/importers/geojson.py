@@ -53,6 +53,8 @@ __all__ = ["read_geojson"]
 Floats = NDArray[np.float64]
 
 FORMAT = "a GeoJSON FeatureCollection"
+FAR = 400.0
+"""Plans farther from the origin are moved there, m."""
 DEGREES = ("crs84", "epsg::4326", "epsg:4326")
 OWN = ("description", "lighting", "passageway_contrast", "materials")
 
@@ -93,12 +95,25 @@ def read_geojson(
     if not isinstance(own, dict):
         raise SceneError(f"{path}: apartment: {own!r:.60}; expected an object")
     reader = _Layers(path, 1.0 if scale is None else scale)
+    rooms = [*_room_shapes(data["features"], reader.scale)]
+    check_extent(path, rooms, scale)
+    reader.move(shapely.total_bounds(rooms))
     for index, feature in enumerate(data["features"]):
         reader.add(index, feature)
-    check_extent(path, [room.shape for room in reader.rooms], scale)
     drawing = reader.drawing({key: own[key] for key in OWN if key in own})
     options = PlanOptions(ceiling_height, furnish=furnish, add_doors=add_doors, start=start)
     return built(path, drawing, name or own.get("name"), options)
+
+
+def _room_shapes(features: list[Any], scale: float) -> Iterator[shapely.Geometry]:
+    """Outlines of the rooms as far as they can be read; what is wrong is found later."""
+    for feature in features:
+        try:
+            if feature["properties"]["layer"] == "room":
+                geometry = feature["geometry"]
+                yield _geometry(geometry["type"], geometry["coordinates"], scale)
+        except (KeyError, TypeError, ValueError, IndexError, shapely.errors.ShapelyError):
+            continue
 
 
 def _refuse_degrees(path: str | Path, crs: object) -> None:
@@ -116,6 +131,7 @@ class _Layers:
 
     path: str | Path
     scale: float
+    shift: tuple[float, float] = (0.0, 0.0)
     rooms: list[PlanRoom] = field(default_factory=list)
     walls: list[Wall] = field(default_factory=list)
     wall_shapes: list[Polygon] = field(default_factory=list)
@@ -126,6 +142,13 @@ class _Layers:
     lamps: list[Lamp] = field(default_factory=list)
     start: Start | None = None
     notes: list[str] = field(default_factory=list)
+
+    def move(self, bounds: Floats) -> None:
+        """Bring a plan in the coordinates of a country to the origin."""
+        if np.isfinite(bounds).all() and np.abs(bounds).max() > FAR:
+            self.shift = (-float(np.floor(bounds[0])), -float(np.floor(bounds[1])))
+            x, y = self.shift
+            self.notes.append(f"all coordinates: moved by ({x:.0f}, {y:.0f}) m to the origin")
 
     def add(self, index: int, feature: object) -> None:
         """Take over one feature."""
@@ -191,7 +214,7 @@ class _Layers:
             ) from None
         if shape.is_empty:
             raise SceneError(f"{self.path}: {label}: no coordinates; expected those of a {kind}")
-        yield from shapely.get_parts(shape)
+        yield from shapely.get_parts(shapely.transform(shape, lambda xy: xy + self.shift))
 
     def _need(self, label: str, part: shapely.Geometry, *kinds: str) -> None:
         if part.geom_type not in kinds:

@@ -33,6 +33,7 @@ from scenes.importers import Imported
 from scenes.importers.drawing import free_name
 from scenes.importers.free_space import free_space_apartment
 from scenes.importers.plan_file import check_extent, check_scale, read_json
+from scenes.importers.room_lamps import with_room_lamps
 from scenes.solids import polygons
 
 __all__ = ["read_houseexpo"]
@@ -126,7 +127,7 @@ def read_houseexpo(
         ceiling_height=ceiling_height,
         wall_thickness=WALLS,
     )
-    return Imported(imported.apartment, (*notes, *imported.notes))
+    return Imported(with_room_lamps(imported.apartment), (*notes, *imported.notes))
 
 
 def _floor(path: str | Path, verts: Any, metres: float) -> Polygon:

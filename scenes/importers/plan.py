@@ -13,6 +13,7 @@ touch an element:
   a closed one. Windows need an outside.
 - A room that a robot of 15 cm cannot reach is left out (what was its floor is then
   outside), or gets a door to a neighbour where that is asked for.
+- A drawing without lamps, and without a word on light, gets ceiling lamps.
 - An opening or a fixture that the checks of `scenes.checks` refuse is left out.
 """
 
@@ -44,6 +45,7 @@ from scenes.importers.plan_rooms import (
     wall_mass,
     with_islands,
 )
+from scenes.importers.room_lamps import with_room_lamps
 from scenes.passages import ROBOT_RADIUS, free_region
 from scenes.solids import polygons
 from scenes.wall_checks import check_openings, check_shared_openings
@@ -115,6 +117,10 @@ def build_apartment(
     drawing = with_islands(drawing, fitted.islands)
     apartment, openings, left_out = _reachable(drawing, fitted.rooms, name, options)
     notes = [*drawing.notes, *fitted.notes, *left_out]
+    drawn = drawing.fields.get("start")
+    if drawn and not options.start and drawn.position != apartment.start.position:
+        place = apartment.start.position
+        notes.append(f"start: its place is not free; moved to ({place[0]:g}, {place[1]:g})")
     labels = {"passages": openings.passage_labels, "windows": openings.window_labels}
     labels["furniture"] = []
     if options.furnish and drawing.fixtures:
@@ -122,6 +128,8 @@ def build_apartment(
         pieces, labels["furniture"], more = furnished(apartment, drawing.fixtures, free)
         apartment = apartment.model_copy(update={"furniture": tuple(pieces)})
         notes.extend(more)
+    if not drawing.fields.get("lamps") and "lighting" not in drawing.fields:
+        apartment = with_room_lamps(apartment)
     while problems := list(check(apartment)):
         apartment, note = _without(apartment, labels, problems[0])
         notes.append(note)
@@ -148,7 +156,7 @@ def _reachable(
         shell, openings = _shell(drawing, rooms, [*drawn, *added], name, options)
         notes.extend(openings.notes)
         free = polygons(free_region(shell, ROBOT_RADIUS))
-        start = _start(rooms, free, options.start or shell.start.position, options.start)
+        start = _start(rooms, free, drawing, options)
         shell = shell.model_copy(
             update={"start": shell.start.model_copy(update={"position": start})}
         )
@@ -162,11 +170,6 @@ def _reachable(
             added.append(door)
             notes.append(f"{door.label}: added")
             continue
-        if not any(inside):
-            raise SceneError(
-                f"no room has free floor for a robot of {ROBOT_RADIUS:g} m radius; expected a "
-                f"plan in metres"
-            )
         notes.extend(
             f"{room.label}: no open way for a robot of {ROBOT_RADIUS:g} m radius to "
             f"{room.name!r} ({room.shape.area:.3g} m²); left out"
@@ -277,28 +280,30 @@ def _room(room: PlanRoom, ceiling_height: float) -> Room:
 
 
 def _start(
-    rooms: Sequence[PlanRoom],
-    free: Sequence[Polygon],
-    wanted: Point,
-    demanded: Point | None,
+    rooms: Sequence[PlanRoom], free: Sequence[Polygon], drawing: PlanDrawing, options: PlanOptions
 ) -> Point:
-    """Where the robot starts: as wanted if that is free, else where it reaches most.
+    """Where the robot starts: as asked for, as drawn if that is free, else where it reaches most.
 
     Raises
     ------
     SceneError
-        If the place demanded is not free, or nothing is.
+        If the place asked for is not free, or nothing is.
     """
-    spot = shapely.Point(wanted)
-    if any(part.covers(spot) for part in free):
-        return wanted
-    if demanded is not None:
+    if not free:
         raise SceneError(
-            f"start ({wanted[0]:g}, {wanted[1]:g}): no free floor for a robot of "
+            f"no room has free floor for a robot of {ROBOT_RADIUS:g} m radius; expected a plan "
+            f"in metres"
+        )
+    drawn = drawing.fields.get("start")
+    wanted: Point | None = options.start or (drawn and drawn.position)
+    if wanted and any(part.covers(shapely.Point(wanted)) for part in free):
+        return wanted
+    if options.start:
+        x, y = options.start
+        raise SceneError(
+            f"start ({x:g}, {y:g}): no free floor for a robot of "
             f"{ROBOT_RADIUS:g} m radius; expected a free place in a room"
         )
-    if not free:
-        return wanted
     home = max(free, key=lambda part: part.area)
     largest = max(rooms, key=lambda room: float(home.intersection(room.shape).area))
     floor = max(

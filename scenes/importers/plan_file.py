@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from pydantic import ValidationError
 
 from scenes.errors import SceneError
 from scenes.importers import Imported
@@ -129,7 +130,7 @@ def check_extent(path: str | Path, shapes: Sequence[shapely.Geometry], scale: fl
 def built(
     path: str | Path, drawing: PlanDrawing, name: str | None, options: PlanOptions | None
 ) -> Imported:
-    """The apartment of a drawing, moved to the origin if it lies far off, with the file's name.
+    """The apartment of a drawing, by default with the file's name.
 
     Raises
     ------
@@ -141,3 +142,8 @@ def built(
         return build_apartment(drawing, name=chosen, options=options)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        where = ".".join(str(item) for item in fault["loc"])
+        message = " ".join(fault["msg"].split())
+        raise SceneError(f"{path}: {where}: {fault['input']!r:.60}: {message}") from None

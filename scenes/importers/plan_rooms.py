@@ -221,7 +221,7 @@ def _closed_up(rooms: list[PlanRoom], mass: shapely.Geometry) -> list[PlanRoom]:
         both = shapes[i].union(shapes[j])
         closed = _grown(_grown(both, reach), -reach)
         others = shapely.union_all([s for k, s in enumerate(shapes) if k not in (i, j)])
-        gap = closed.difference(both).difference(mass.buffer(1e-3)).difference(others)
+        gap = closed.difference(both).difference(mass).difference(others)
         near = [p for p in polygons(gap, 1e-4) if all(p.distance(shapes[k]) < 1e-3 for k in (i, j))]
         if near:
             grown = shapely.union_all([shapes[i], *near], grid_size=GRID)

@@ -52,6 +52,7 @@ OUTSIDE = ("balcony", "stairs", "PS")
 FIXTURES = {"bathtub": "bath", "toilet": "toilet", "cooking_counter": "kitchen_counter"}
 THICKNESS = 0.12
 """Of the walls, m."""
+MOST_LINES = 5000
 DOOR_WIDTH, DOOR_QUANTILE = 0.75, 0.25
 """At the right scale a quarter of the doors (closets' and windows included) is narrower, m."""
 WIDEST_DOOR = 1.3
@@ -113,10 +114,11 @@ def read_r2v(
         doors = [float(np.hypot(*np.diff(d.ends, axis=0)[0])) for d in lines if d.type == "door"]
         raise ask_for_scale(path, doors, DOOR_WIDTH, DOOR_QUANTILE)
     lines = [replace(line, ends=line.ends * scale) for line in lines]
-    walls = _walls([line.ends for line in lines if line.type == "wall"])
-    if not walls:
+    ends = [line.ends for line in lines if line.type == "wall"]
+    if not ends:
         raise SceneError(f"{path}: no wall in it; expected {FORMAT}")
-    check_extent(path, [shapely.LineString([wall.start, wall.end]) for wall in walls], scale)
+    check_extent(path, list(shapely.linestrings(ends)), scale)
+    walls = _walls(ends)
     options = PlanOptions(ceiling_height, furnish=furnish, add_doors=add_doors, start=start)
     return built(path, _drawing(lines, walls), name, options)
 
@@ -124,7 +126,10 @@ def read_r2v(
 def _lines(path: str | Path) -> list[_Line]:
     """The lines of a file, y up and in the positive quadrant."""
     lines = []
-    for number, text in enumerate(read_text(path, FORMAT).splitlines(), start=1):
+    texts = read_text(path, FORMAT).splitlines()
+    if len(texts) > MOST_LINES:
+        raise SceneError(f"{path}: {len(texts)} lines; expected {FORMAT}, at most {MOST_LINES}")
+    for number, text in enumerate(texts, start=1):
         if not text.strip():
             continue
         fields = text.split()
@@ -137,7 +142,7 @@ def _lines(path: str | Path) -> list[_Line]:
             raise SceneError(
                 f"{path}: line {number}: {text.strip()!r:.60}; expected {FORMAT}"
             ) from None
-        lines.append(_Line(number, ends * (1.0, -1.0), kind))
+        lines.append(_Line(number, ends * (1.0, -1.0), kind[:40]))
     corner = np.min([line.ends.min(axis=0) for line in lines], axis=0)
     return [replace(line, ends=line.ends - corner) for line in lines]
 

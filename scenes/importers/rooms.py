@@ -81,11 +81,11 @@ def part_floor(
     shapes = list(rooms or [])
     lines = [*_drawn_on(segments), *_outlines(shapes, tolerance)]
     faces = _faces(floor, lines)
-    parted = _owned(faces, shapes) if shapes else [FloorRoom("", "other", f) for f in faces]
-    parted, lost = _absorb(parted, robot_floor)
+    owned = _owned(faces, shapes) if shapes else [FloorRoom("", "other", f) for f in faces]
+    parted, lost = _absorb(owned, robot_floor)
     parted, cut = _open_rings(parted)
     named = _named(parted)
-    return named, (*_idle_borders(segments, named), *_missing(shapes, named), *lost, *cut)
+    return named, (*_idle_borders(segments, named), *_missing(shapes, owned), *lost, *cut)
 
 
 def shared_sides(rooms: Sequence[FloorRoom]) -> list[LineString]:
@@ -262,11 +262,11 @@ def _idle_borders(segments: Floats, rooms: Sequence[FloorRoom]) -> list[str]:
     ]
 
 
-def _missing(rooms: Sequence[RoomShape], found: Sequence[FloorRoom]) -> list[str]:
-    names = {room.name for room in found}
+def _missing(rooms: Sequence[RoomShape], owned: Sequence[FloorRoom]) -> list[str]:
+    """Rooms that have no part of the floor from the size of a room on."""
+    names = {room.name for room in owned if room.polygon.area >= SMALLEST}
     return [
-        f"room {name!r} of {shape.area:.1f} m²: has no floor of its own that the robot can reach; "
-        f"left out"
+        f"room {name!r} of {shape.area:.1f} m²: has no floor of its own; left out"
         for name, _, shape in rooms
         if name and name not in names
     ]

@@ -172,7 +172,9 @@ def cell_region(cells: Cells, origin: str) -> shapely.Geometry:
             f"a map, not noise"
         )
     top = (rows - row).astype(float)
-    return shapely.union_all(shapely.box(left, top - 1.0, right, top))
+    union = shapely.union_all(shapely.box(left, top - 1.0, right, top))
+    # Corners in the middle of a side go; nothing moves.
+    return shapely.normalize(union).simplify(0.0)
 
 
 # ---- the files ------------------------------------------------------------------------------

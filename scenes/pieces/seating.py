@@ -62,31 +62,22 @@ def corner_sofa(
     feet: str = "plastic_black",
 ) -> Parts:
     """An L: a sofa along the back, a couch to the front on its right; 4 cm clear below."""
-    deep, clear, seat = 0.5 * d, 0.04, 0.5 * h
-    couch = w / 2 - 0.4 * w
-    outline = shapely.union(
-        shapely.box(-w / 2, d / 2 - deep, w / 2, d / 2), shapely.box(couch, -d / 2, w / 2, d / 2)
-    )
-    for left, front in (
-        (-w / 2, d / 2 - deep),
-        (-w / 2, d / 2 - LEG),
-        (w / 2 - LEG, d / 2 - LEG),
-        (w / 2 - LEG, -d / 2),
-        (couch, -d / 2),
-    ):
+    couch, clear = 0.1 * w, 0.04
+    corners = ((-w / 2, 0.0), (-w / 2, d / 2 - LEG), (w / 2 - LEG, d / 2 - LEG))
+    for left, front in (*corners, (w / 2 - LEG, -d / 2), (couch, -d / 2)):
         yield cuboid((left, left + LEG), (front, front + LEG), (0.0, clear), feet)
-    yield Part(outline, clear, 0.75 * seat, fabric)
-    low, arm, back = 0.75 * seat, 0.16, 0.2
-    yield cuboid((-w / 2, w / 2), (d / 2 - back, d / 2), (low, h), fabric)
-    yield cuboid((-w / 2, -w / 2 + arm), (d / 2 - deep, d / 2 - back), (low, 1.5 * seat), fabric)
-    yield cuboid((w / 2 - arm, w / 2), (-d / 2, d / 2 - back), (low, 1.5 * seat), fabric)
+    outline = shapely.box(-w / 2, 0.0, w / 2, d / 2)
+    outline = outline.union(shapely.box(couch, -d / 2, w / 2, d / 2))
+    low, high, arm, back = 0.375 * h, 0.75 * h, 0.16, d / 2 - 0.2
+    yield Part(outline, clear, low, fabric)
+    yield cuboid((-w / 2, w / 2), (back, d / 2), (low, h), fabric)
+    yield cuboid((-w / 2, -w / 2 + arm), (0.0, back), (low, high), fabric)
+    yield cuboid((w / 2 - arm, w / 2), (-d / 2, back), (low, high), fabric)
     middle = (couch - w / 2 + arm) / 2
-    for x in ((-w / 2 + arm, middle), (middle, couch)):
-        inside = (x[0] + 0.005, x[1] - 0.005)
-        y = (d / 2 - deep + 0.01, d / 2 - back - 0.005)
-        yield cuboid(inside, y, (low, 1.05 * seat), cushions)
-    inside = (couch + 0.005, w / 2 - arm - 0.005)
-    yield cuboid(inside, (-d / 2 + 0.01, d / 2 - back - 0.005), (low, 1.05 * seat), cushions)
+    places = (-w / 2 + arm, middle, 0.0), (middle, couch, 0.0), (couch, w / 2 - arm, -d / 2)
+    for left, right, front in places:
+        x, y = (left + 0.005, right - 0.005), (front + 0.01, back - 0.005)
+        yield cuboid(x, y, (low, 0.525 * h), cushions)
 
 
 def armchair(

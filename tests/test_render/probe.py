@@ -206,6 +206,7 @@ def state(bpy: Any) -> dict[str, np.ndarray]:
         "patterns_linked": np.array(kinds),
         "samples": np.array(scene.cycles.samples),
         "diffuse_bounces": np.array(scene.cycles.diffuse_bounces),
+        "transmission_bounces": np.array(scene.cycles.transmission_bounces),
         "threads": np.array(scene.render.threads),
         "device": np.array(used),
         "cycles_device": np.array(scene.cycles.device),

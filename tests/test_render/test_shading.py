@@ -34,3 +34,5 @@ def test_a_pane_tints_once_and_mirrors_by_fresnel(probed: dict[str, Any]) -> Non
 def test_a_frosted_pane_lets_light_through(probed: dict[str, Any]) -> None:
     straight_up = probed["frosted_pane"][14:18, 14:18].mean()
     assert 0.8 < straight_up < 3.0 * 0.5
+    # As well what is only reflected from behind it: or it would look black from a lit room.
+    assert probed["transmission_bounces"] == probed["diffuse_bounces"] > 0

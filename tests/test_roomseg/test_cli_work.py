@@ -88,6 +88,8 @@ def test_train_segment_view_inspect(folder, capsys):
     every = cv2.imread("south.png")
     succeed("view", "south.h5", "-o", "rooms.png", "--dpi", "40", "--show", "rooms")
     rooms = cv2.imread("rooms.png")
+    succeed("view", "south.h5", "-o", "graph.svg", "--show", "graph")
+    assert "border edge" in Path("graph.svg").read_text()
     assert every.shape[0] > 2 * rooms.shape[0]
     assert every.shape[1] > 2 * rooms.shape[1]
     assert len(np.unique(rooms.reshape(-1, 3), axis=0)) > 10

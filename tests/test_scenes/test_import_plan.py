@@ -51,6 +51,14 @@ def test_every_format_gives_a_place_that_the_robot_can_clean(name):
     assert all(home.intersects(Polygon(room.polygon)) for room in apartment.rooms)
 
 
+def test_every_room_has_a_lamp_where_the_plan_has_none():
+    apartment = read_r2v(DATA / "flat_r2v.txt", scale=0.02).apartment
+    assert apartment.lighting.source == "mixed"
+    for room in apartment.rooms:
+        assert any(Polygon(room.polygon).contains(Point(x.position)) for x in apartment.lamps)
+    assert read_houseexpo(DATA / "flat_houseexpo.json").apartment.lighting.source == "interior"
+
+
 # ---- GeoJSON --------------------------------------------------------------------------------
 
 
@@ -221,6 +229,21 @@ def test_cubicasa_transforms(tmp_path):
         read_cubicasa(path, scale=0.01)
 
 
+def test_cubicasa_fixtures_without_a_boundary(tmp_path):
+    sink = """<g class="FixedFurniture ElectricalAppliance WashingMachine"
+        transform="translate(20 400)">
+        <g class="Part"><rect x="10" y="5" width="30" height="60"/></g>
+        <g class="Part"><rect x="20" width="50" height="20"/></g></g>"""
+    path = tmp_path / "flat.svg"
+    text = (DATA / "flat_cubicasa.svg").read_text()
+    path.write_text(text.replace('<g class="Railing">', sink + '<g class="Railing">'))
+    pieces = read_cubicasa(path, scale=0.01).apartment.furniture
+    machine = next(piece for piece in pieces if piece.kind == "washing_machine")
+    # The box around both parts: 10 to 70 by 0 to 65 px; 5 mm off the wall at its left.
+    np.testing.assert_allclose(sorted(machine.size[:2]), (0.6, 0.65), atol=0.01)
+    np.testing.assert_allclose(machine.position, (0.6, 6 - 4.325), atol=0.01)
+
+
 def test_houseexpo_rooms_are_cut_at_doorways_and_by_boxes():
     result = read_houseexpo(DATA / "flat_houseexpo.json")
     apartment = result.apartment
@@ -333,6 +356,35 @@ def test_a_plan_in_millimetres_or_degrees(tmp_path):
     crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}
     path = collection(tmp_path, feature("room", "Polygon", box(0, 0, 7, 5)), crs=crs)
     assert "crs: degrees" in fails(read_geojson, path)
+
+
+def test_a_plan_in_the_coordinates_of_a_country_is_moved(tmp_path):
+    room = feature("room", "Polygon", box(500_000.25, 5_700_000, 500_007.25, 5_700_005))
+    result = read_geojson(collection(tmp_path, room))
+    assert result.apartment.rooms[0].polygon[0] in {(0.25, 0), (0.25, 5), (7.25, 0), (7.25, 5)}
+    assert result.notes == ("all coordinates: moved by (-500000, -5700000) m to the origin",)
+
+
+def test_a_drawn_start_that_is_not_free_is_moved(tmp_path):
+    room = feature("room", "Polygon", box(-2, -2, 4, 5))
+    start = feature("start", "Point", [-1.95, 0])
+    result = read_geojson(collection(tmp_path, room, start))
+    assert result.apartment.start.position == pytest.approx((1, 1.5), abs=0.6)
+    assert result.notes[0].startswith("start: its place is not free; moved to (")
+    without = read_geojson(collection(tmp_path, room)).apartment
+    assert without.start == result.apartment.start
+
+
+def test_a_bad_member_apartment_is_one_line(tmp_path):
+    room = feature("room", "Polygon", box(0, 0, 4, 4))
+    path = collection(tmp_path, room, apartment={"lighting": {"source": "candles"}})
+    assert "lighting.source: 'candles'" in fails(read_geojson, path)
+    path = collection(tmp_path, room, apartment={"name": "a b"})
+    assert "name: 'a b'" in fails(read_geojson, path)
+
+
+def test_a_scale_that_makes_a_home_of_kilometres():
+    assert "400 m wide at 1 m per unit" in fails(read_r2v, DATA / "flat_r2v.txt", scale=1.0)
 
 
 BAD_FEATURES = {

@@ -170,6 +170,21 @@ def test_hung_pieces_must_fit_under_the_ceiling():
     )
 
 
+def test_pieces_do_not_hang_in_a_ceiling_step_or_stand_in_a_column():
+    step = {"polygon": [[1, 1], [3, 1], [3, 2], [1, 2]], "bottom": 2.0}
+    beam = {"kind": "ceiling_beam", "position": [2, 1.5], "elevation": 1.8}
+    assert not list(check(two_rooms(furniture=[beam], blocks=[step])))
+    (problem,) = check(two_rooms(furniture=[{**beam, "elevation": 1.9}], blocks=[step]))
+    assert problem == (
+        "furniture[0] (ceiling_beam): reaches into blocks[0]; expected beside, below or above it"
+    )
+    stub = {"polygon": [[1.9, 1.4], [2.1, 1.4], [2.1, 1.6], [1.9, 1.6]], "top": 1.0}
+    (problem,) = check(
+        two_rooms(furniture=[{"kind": "table", "position": [2, 1.5]}], blocks=[stub])
+    )
+    assert "reaches into blocks[0]" in problem
+
+
 def test_unknown_slot_is_refused_with_a_hint():
     piece = {"kind": "table", "position": [2, 1.5], "materials": {"tops": "wood"}}
     (problem,) = check(two_rooms(furniture=[piece]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 from collections import Counter
@@ -47,9 +48,15 @@ NODE_AREA = 0.1 * 0.3
 RADIUS = 0.15
 
 
+@functools.cache
+def loaded(name: str) -> Apartment:
+    """Frozen, so that the tests can share it."""
+    return load_apartment(name)
+
+
 @pytest.fixture(params=sorted(PLACES))
 def place(request: pytest.FixtureRequest) -> Apartment:
-    return load_apartment(request.param)
+    return loaded(request.param)
 
 
 def text_of(name: str) -> str:
@@ -57,8 +64,10 @@ def text_of(name: str) -> str:
     return file.read_text(encoding="utf-8")
 
 
-def driven_floor(apartment: Apartment, radius: float = RADIUS, step: float = 0.02):
+@functools.cache
+def driven_floor(name: str, radius: float = RADIUS, step: float = 0.02):
     """Cells that the robot's centre reaches, by distance transform and flood fill."""
+    apartment = loaded(name)
     floor = floor_region(apartment)
     x0, y0, x1, y1 = floor.bounds
     xs, ys = np.arange(x0, x1 + step, step), np.arange(y0, y1 + step, step)
@@ -113,19 +122,19 @@ def test_table_8(place: Apartment) -> None:
 
 def test_floor_to_drive_gives_about_the_papers_nodes(place: Apartment) -> None:
     nodes = PLACES[place.name][3]
-    _, _, driven = driven_floor(place)
+    _, _, driven = driven_floor(place.name)
     assert driven.sum() * 0.02**2 / NODE_AREA == pytest.approx(nodes, rel=0.2)
 
 
 def test_every_room_has_floor_to_drive(place: Apartment) -> None:
-    x, y, driven = driven_floor(place)
+    x, y, driven = driven_floor(place.name)
     for room in place.rooms:
         inside = shapely.contains_xy(Polygon(room.polygon), x, y) & driven
         assert inside.sum() * 0.02**2 > 0.4, room.name
 
 
 def test_passages_are_half_a_metre_clear(place: Apartment) -> None:
-    x, y, driven = driven_floor(place, radius=0.25)
+    x, y, driven = driven_floor(place.name, radius=0.25)
     for room in place.rooms:
         assert (shapely.contains_xy(Polygon(room.polygon), x, y) & driven).any(), room.name
 
@@ -235,9 +244,7 @@ def main_surfaces(place: Apartment) -> dict[str, Material]:
 
 @pytest.mark.parametrize("part", ["floor", "walls", "ceiling", "frame"])
 def test_no_two_places_look_alike(part: str) -> None:
-    surfaces = {
-        name: main_surfaces(load_apartment(name))[part] for name in PLACES if "demo" not in name
-    }
+    surfaces = {name: main_surfaces(loaded(name))[part] for name in PLACES if "demo" not in name}
     assert len(surfaces) == 9
     for (a, first), (b, second) in itertools.combinations(surfaces.items(), 2):
         assert first != second, (a, b)
@@ -246,7 +253,7 @@ def test_no_two_places_look_alike(part: str) -> None:
 def test_floors_and_walls_differ_between_places() -> None:
     looks = set()
     for name in PLACES:
-        apartment = load_apartment(name)
+        apartment = loaded(name)
         assert len({room.floor for room in apartment.rooms}) >= 2
         assert len({room.walls for room in apartment.rooms}) >= 2
         looks.add(tuple(sorted((r.floor, r.walls, r.ceiling) for r in apartment.rooms)))
@@ -255,7 +262,7 @@ def test_floors_and_walls_differ_between_places() -> None:
 
 def test_sim4_has_a_narrow_opening_beside_a_chair_in_its_largest_room() -> None:
     """Fig. 24: the lower-left room nearly falls into two at a chair."""
-    place = load_apartment("sim4")
+    place = loaded("sim4")
     largest = max(place.rooms, key=lambda room: Polygon(room.polygon).area)
     shape = Polygon(largest.polygon)
     assert shape.bounds[:2] == building_floor_corner(place)
@@ -279,7 +286,7 @@ def building_floor_corner(place: Apartment) -> tuple[float, float]:
 
 
 def test_sim4_has_a_small_room_near_the_top() -> None:
-    place = load_apartment("sim4")
+    place = loaded("sim4")
     top = floor_region(place).bounds[3]
     areas = {room.name: Polygon(room.polygon).area for room in place.rooms}
     uppermost = [room for room in place.rooms if Polygon(room.polygon).bounds[3] > top - 0.1]
@@ -288,7 +295,7 @@ def test_sim4_has_a_small_room_near_the_top() -> None:
 
 def test_sim1_has_a_small_hallway_behind_a_wide_gap_without_frame_and_lintel() -> None:
     """Fig. 23, 30: at the upper right, ordinary doorways to its left and right."""
-    place = load_apartment("sim1")
+    place = loaded("sim1")
     shapes = [Polygon(room.polygon) for room in place.rooms]
     gap = max(place.passages, key=lambda passage: passage.width)
     assert gap.width >= 1.5
@@ -312,7 +319,7 @@ def test_sim1_has_a_small_hallway_behind_a_wide_gap_without_frame_and_lintel() -
 
 def test_ceilings_of_real2_change_their_height_where_no_border_is() -> None:
     """§4.1: distinct edges overhead that are no lintels."""
-    place = load_apartment("real2")
+    place = loaded("real2")
     borders = shapely.multilinestrings(list(room_borders(place)))
     steps = [block_footprint(block) for block in place.blocks if block.bottom > 0.0]
     beams = [
@@ -328,12 +335,17 @@ def test_ceilings_of_real2_change_their_height_where_no_border_is() -> None:
         assert inside.distance(borders) > 0.1
         stepped.add(room.name)
     assert all(2.0 < block.bottom < 2.3 for block in place.blocks if block.bottom > 0.0)
+    # From right below, a step of the ceiling's own colour has no edges.
+    for block in (block for block in place.blocks if block.bottom > 0.0):
+        assert block.material is not None
+        for room in place.rooms:
+            assert luminance(place, room.ceiling) - luminance(place, block.material) > 0.05
     assert len(stepped) >= 3
 
 
 def test_real2_has_two_indistinct_borders() -> None:
     """Fig. 31: open up to the ceiling; only the bathroom has an ordinary doorway."""
-    place = load_apartment("real2")
+    place = loaded("real2")
     open_ones = [p for p in place.passages if p.lintel_height is None]
     assert len(open_ones) == 2
     assert sum(p.frame is None for p in open_ones) == 1
@@ -341,7 +353,7 @@ def test_real2_has_two_indistinct_borders() -> None:
 
 def test_novel_has_a_wide_passage_a_cluster_of_tiny_rooms_and_dividing_furniture() -> None:
     """§3.4, Fig. 28."""
-    place = load_apartment("novel")
+    place = loaded("novel")
     wide = max(place.passages, key=lambda passage: passage.width)
     assert wide.width >= 2.0
     assert wide.lintel_height is None
