@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy import ndimage
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from dataset.errors import RoomsegError
 from dataset.topomap import Path, TopoMap
@@ -143,14 +143,20 @@ def _swept_area(reachable: Floats, radius: float, spacing: float) -> float:
 
 
 def _overlap(path: Path, steps: Floats, near: float = 0.1, pause: float = 10.0) -> float:
-    """Share of the path length that passes where the robot has been before."""
+    """Share of the path length that passes where the robot has been before.
+
+    By cells of a quarter of ``near``, m: memory must not grow with how often it passes.
+    """
     track = path.true_pose[:, :2]
-    earliest = np.full(len(track), np.inf)
-    pairs = cKDTree(track[::5]).sparse_distance_matrix(
-        cKDTree(track), near, output_type="coo_matrix"
+    size = near / 4.0
+    cell = np.floor((track - track.min(axis=0)) / size).astype(np.int64)
+    earliest = np.full(cell.max(axis=0) + 1, np.inf)
+    np.minimum.at(earliest, tuple(cell.T), path.time)
+    offset = np.hypot(*(np.indices((9, 9)) - 4.0))
+    around = ndimage.minimum_filter(
+        earliest, footprint=offset * size <= near, mode="constant", cval=np.inf
     )
-    np.minimum.at(earliest, pairs.col, path.time[::5][pairs.row])
-    again = earliest < path.time - pause
+    again = around[tuple(cell.T)] < path.time - pause
     return float(steps[again].sum() / max(steps.sum(), 1e-9))
 
 

@@ -292,6 +292,8 @@ _FILLERS = {
 }
 
 
+_ONCE = ("desk", "divider", "floor_lamp", "island", "printer")
+"""Nobody has two of them in a room."""
 _LEAST_AREA = {"divider": 28.0, "island": 12.0}
 """Rooms from which on such a piece makes sense, m²."""
 
@@ -301,6 +303,7 @@ def _fillers(rng: np.random.Generator, site: Site) -> Iterator[Group]:
     names = [name for name in _FILL[site.kind] if site.area >= _LEAST_AREA.get(name, 0.0)]
     for _ in range(1 + int(site.area / 14.0)):
         yield from (_FILLERS[names[k]] for k in rng.permutation(len(names)))
+        names = [name for name in names if name not in _ONCE]
 
 
 _LITTER: dict[RoomKind, tuple[str, ...]] = {

@@ -126,7 +126,7 @@ def _livable(kind: RoomKind, shape: Polygon) -> bool:
     parts = rectangles(shape)
     # Arms of living rooms and bedrooms may be narrower than the room itself.
     if len(parts) > 1:
-        reach = min(reach, 0.7)
+        reach = min(reach, 0.9 if kind == "living_room" else 0.7)
         x0, y0, x1, y1 = parts[0]
         if min(x1 - x0, y1 - y0) < LEAST_SIDE[kind] - 0.2:
             return False

@@ -124,7 +124,7 @@ def read_r2v(
 
 
 def _lines(path: str | Path) -> list[_Line]:
-    """The lines of a file, y up and in the positive quadrant."""
+    """The lines of a file, y up, the corner of the walls at the origin."""
     lines = []
     texts = read_text(path, FORMAT).splitlines()
     if len(texts) > MOST_LINES:
@@ -143,7 +143,8 @@ def _lines(path: str | Path) -> list[_Line]:
                 f"{path}: line {number}: {text.strip()!r:.60}; expected {FORMAT}"
             ) from None
         lines.append(_Line(number, ends * (1.0, -1.0), kind[:40]))
-    corner = np.min([line.ends.min(axis=0) for line in lines], axis=0)
+    walls = [line.ends.min(axis=0) for line in lines if line.type == "wall"]
+    corner = np.min(walls or [(0.0, 0.0)], axis=0)
     return [replace(line, ends=line.ends - corner) for line in lines]
 
 

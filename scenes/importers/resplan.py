@@ -128,7 +128,8 @@ def _layers(path: str | Path, plan: Mapping[str, Any]) -> Shapes:
 
 def _polygons(path: str | Path, label: str, text: object) -> Iterator[Polygon]:
     try:
-        shape = shapely.from_wkt(text)
+        with np.errstate(all="ignore"):
+            shape = shapely.from_wkt(text)
     except (shapely.errors.ShapelyError, TypeError):
         shape = None
     if shape is None or not np.isfinite(shapely.get_coordinates(shape)).all():
