@@ -145,7 +145,8 @@ def _swept_area(reachable: Floats, radius: float, spacing: float) -> float:
 def _overlap(path: Path, steps: Floats, near: float = 0.1, pause: float = 10.0) -> float:
     """Share of the path length that passes where the robot has been before.
 
-    By cells of a quarter of ``near``, m: memory must not grow with how often it passes.
+    By cells of a quarter of ``near``, m, all of which must be near: memory must not grow with
+    how often the robot passes.
     """
     track = path.true_pose[:, :2]
     size = near / 4.0
@@ -154,7 +155,7 @@ def _overlap(path: Path, steps: Floats, near: float = 0.1, pause: float = 10.0) 
     np.minimum.at(earliest, tuple(cell.T), path.time)
     offset = np.hypot(*(np.indices((9, 9)) - 4.0))
     around = ndimage.minimum_filter(
-        earliest, footprint=offset * size <= near, mode="constant", cval=np.inf
+        earliest, footprint=(offset + 1.0) * size <= near, mode="constant", cval=np.inf
     )
     again = around[tuple(cell.T)] < path.time - pause
     return float(steps[again].sum() / max(steps.sum(), 1e-9))

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -61,8 +62,8 @@ FLOORS = {
 """Floor and walls of a room that does not say them, by its kind."""
 DOOR = 0.8
 """Width of a door that is added, m."""
-NARROWER = 0.04
-"""By how much openings become narrower at a time until they do not overlap, m."""
+NARROWER, NARROWINGS = 0.05, 4
+"""By how much, m, and how often openings become narrower so that they do not overlap."""
 _FAULT = re.compile(r"(passages|windows|furniture)\[(\d+)\][^:]*: (.*)")
 OUTERMOST = 500.0
 """A home has no point further than this from the origin, m."""
@@ -225,28 +226,30 @@ def _shell(
 def _possible(apartment: Apartment, openings: Openings) -> tuple[Apartment, Openings]:
     """Without the openings that the checks refuse; those that overlap are narrowed first."""
     labels = {"passages": openings.passage_labels, "windows": openings.window_labels}
-    while True:
-        overlaps = list(check_shared_openings(apartment))
-        found = [*check_openings(apartment), *overlaps]
-        if not found:
-            return apartment, openings
-        changed = _narrowed(apartment, found[0]) if found == overlaps else None
-        if changed is None:
-            changed, note = _without(apartment, labels, found[0])
-            openings.notes.append(note)
-        apartment = changed
+    for part in (check_shared_openings, check_openings):
+        tried: Counter[str] = Counter()
+        while problem := next(part(apartment), None):
+            fault = _FAULT.match(problem)
+            assert fault is not None
+            field, index = fault[1], int(fault[2])
+            label = labels[field][index]
+            tried[label] += 1
+            if part is check_shared_openings and tried[label] <= NARROWINGS:
+                apartment = _narrowed(apartment, field, index)
+                if tried[label] == 1:
+                    openings.notes.append(f"{label}: narrowed, for it overlaps another opening")
+            else:
+                apartment, note = _without(apartment, labels, problem)
+                openings.notes.append(note)
+    return apartment, openings
 
 
-def _narrowed(apartment: Apartment, problem: str) -> Apartment | None:
-    """With the opening of a problem a little narrower; None if it would be too narrow."""
-    fault = _FAULT.match(problem)
-    assert fault is not None
-    items = list(getattr(apartment, fault[1]))
-    width = items[int(fault[2])].width - NARROWER
-    if width < LEAST_WIDTH:
-        return None
-    items[int(fault[2])] = items[int(fault[2])].model_copy(update={"width": round(width, 6)})
-    return apartment.model_copy(update={fault[1]: tuple(items)})
+def _narrowed(apartment: Apartment, field: str, index: int) -> Apartment:
+    """With one opening a little narrower."""
+    items = list(getattr(apartment, field))
+    width = max(items[index].width - NARROWER, LEAST_WIDTH)
+    items[index] = items[index].model_copy(update={"width": round(width, 6)})
+    return apartment.model_copy(update={field: tuple(items)})
 
 
 def _without(

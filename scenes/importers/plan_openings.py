@@ -295,7 +295,7 @@ def _longest(
     if high <= low:
         return 0.0, 0.0
     seen = shapely.LineString([(low, offset), (high, offset)]).intersection(region)
-    parts = [part for part in shapely.get_parts(seen) if part.geom_type == "LineString"]
+    parts = [part for part in shapely.get_parts(seen) if part.length > 0.0]
     if not parts:
         return 0.0, 0.0
     x0, _, x1, _ = max(parts, key=lambda part: float(part.length)).bounds
