@@ -59,7 +59,7 @@ def evaluate_scene(bpy: Any, scene: Any) -> tuple[list[Body], list[str]]:
             continue
         key = (item.type, item.data.as_pointer(), *(slot.name for slot in item.material_slots))
         if key not in shared:
-            shared[key] = _copied(bpy, item, depsgraph)
+            shared[key] = _copied(bpy, instance, depsgraph)
         if shared[key] is not None:
             matrix = np.array(instance.matrix_world, dtype=float)
             seen = tuple(bool(getattr(item, flag)) for flag in SEEN_BY)
@@ -92,23 +92,37 @@ def _layers(root: Any) -> Iterator[Any]:
         yield from _layers(child)
 
 
-def _copied(bpy: Any, item: Any, depsgraph: Any) -> Any:
+def _copied(bpy: Any, instance: Any, depsgraph: Any) -> Any:
     """Data of an evaluated object for the new scene; None if it has no surface."""
+    item = instance.object
     if item.type == "LIGHT":
         return item.original.data.copy()
-    mesh = bpy.data.meshes.new_from_object(item, preserve_all_data_layers=True, depsgraph=depsgraph)
+    if item.type == "MESH" and instance.is_instance:
+        # What geometry nodes make stands in for an object and is known by its data alone.
+        mesh = item.data.copy()
+    else:
+        mesh = bpy.data.meshes.new_from_object(
+            item, preserve_all_data_layers=True, depsgraph=depsgraph
+        )
     if not len(mesh.polygons):
         bpy.data.meshes.remove(mesh)
         return None
-    for index, slot in enumerate(item.material_slots):
-        # Materials may hang on the object instead of the mesh.
-        material = None if slot.material is None else slot.material.original
-        if index < len(mesh.materials):
-            mesh.materials[index] = material
-        else:
-            mesh.materials.append(material)
+    _use_original_materials(mesh, item)
     mesh.calc_loop_triangles()
     return mesh
+
+
+def _use_original_materials(mesh: Any, item: Any) -> None:
+    """Give a mesh the file's own materials; they may hang on the object instead."""
+    slots = [slot.material for slot in item.material_slots]
+    for index in range(len(slots), len(mesh.materials)):
+        slots.append(mesh.materials[index])
+    for index, material in enumerate(slots):
+        original = None if material is None else material.original
+        if index < len(mesh.materials):
+            mesh.materials[index] = original
+        else:
+            mesh.materials.append(original)
 
 
 def _unused(scene: Any, bodies: list[Body], shown: set[str]) -> Iterator[str]:
@@ -124,7 +138,7 @@ def _unused(scene: Any, bodies: list[Body], shown: set[str]) -> Iterator[str]:
             if not item.children and item.instance_collection is None:
                 yield f"empty {item.name!r}: nothing to see; left out"
         elif item.name not in shown:
-            yield f"{kind} {item.name!r}: hidden from rendering; left out"
+            yield f"{kind} {item.name!r}: hidden from rendering; left out itself"
         elif item.type in SOLID:
             yield f"{kind} {item.name!r}: has no surface; left out"
         else:

@@ -16,6 +16,8 @@ from __future__ import annotations
 import hashlib
 import re
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -110,8 +112,8 @@ def read_scene(
     _check_options(path, scale, floor_clearance, robot_height)
     called = name or _name_of(path)
     options = {"scale": scale, "up": up, "floor": floor, "has_unit": has_unit}
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".import-") as work:
-        blend, surface = Path(work) / "scene.blend", Path(work) / "surface.npz"
+    with _work_folder(folder) as work:
+        blend, surface = work / "scene.blend", work / "surface.npz"
         found = run_task(
             "scene_import",
             path=str(path.resolve()),
@@ -132,6 +134,17 @@ def read_scene(
         )
         apartment = apartment.model_copy(update={"scene_file": _keep(blend, folder, called)})
     return Imported(apartment, (*found["notes"], *notes))
+
+
+@contextmanager
+def _work_folder(folder: Path) -> Iterator[Path]:
+    """A folder in the one where the scene will be, so that it can be renamed into it."""
+    try:
+        made = tempfile.TemporaryDirectory(dir=folder, prefix=".import-")
+    except OSError as error:
+        raise SceneError(f"{folder}: cannot be written: {error.strerror or error}") from None
+    with made as name:
+        yield Path(name)
 
 
 def _check_options(path: Path, scale: float | None, low: float, high: float) -> None:
@@ -184,7 +197,7 @@ def _apartment(
         obstacle_top=slab[1],
         tolerance=TOLERANCE,
     )
-    if light & {"lamps", "sky"}:
+    if "sky" in light or light == {"lamps"}:
         lit: dict[str, Any] = {"lighting": Lighting(sun_strength=0.0, sky_strength=0.0)}
     elif light:
         lit = {"lighting": Lighting(sun_strength=0.0)}

@@ -208,6 +208,8 @@ def _too_wide(
 def _half_width(opening: Opening, seen: shapely.Geometry) -> float:
     """How far a line before the opening goes on unbroken from its middle to either side, m."""
     for part in shapely.get_parts(seen):
+        if part.is_empty:  # the one part of an empty line
+            continue
         along = (shapely.get_coordinates(part) - opening.centre) @ opening.along
         if along.min() <= 0.0 <= along.max():
             return float(min(-along.min(), along.max()))

@@ -91,7 +91,6 @@ def command(
     _check_date(created)
     place = load_apartment(apartment)
     output.mkdir(parents=True, exist_ok=True)
-    take_scene_file(place, Path(apartment).parent, output)
     todo = []
     for number in range(1, runs + 1):
         path = output / f"{place.name}-run{number}.h5"
@@ -101,6 +100,7 @@ def command(
             click.echo(f"{path}: already there")
         else:
             todo.append(run)
+    take_scene_file(place, Path(apartment).parent, output)
     reports = _report_all(place.name, todo, jobs) if todo else {}
     figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
     write_json(json_file, {"seed": seed, "maps": figures})

@@ -271,7 +271,8 @@ def _labels(group: ET.Element, apartment: Apartment, frame: _Frame) -> None:
     masonry = masonry_region(apartment)
     parts = [part.footprint for piece in apartment.furniture for part in piece_parts(piece)]
     lamps = [shapely.Point(lamp.position).buffer(lamp.radius) for lamp in apartment.lamps]
-    taken = shapely.union_all([*parts, *lamps])
+    start = shapely.Point(apartment.start.position).buffer(0.15)
+    taken = shapely.union_all([*parts, *lamps, start])
     for room in apartment.rooms:
         floor = Polygon(room.polygon).difference(masonry)
         free = polygons(floor.difference(taken), 0.05) or polygons(floor)

@@ -116,25 +116,32 @@ def build_apartment(
         raise SceneError("no room in it; expected at least one polygon of a room")
     _check_extent(fitted.rooms)
     drawing = with_islands(drawing, fitted.islands)
-    apartment, openings, left_out = _reachable(drawing, fitted.rooms, name, options)
+    shell, openings, left_out = _reachable(drawing, fitted.rooms, name, options)
     notes = [*drawing.notes, *fitted.notes, *left_out]
     drawn = drawing.fields.get("start")
-    if drawn and not options.start and drawn.position != apartment.start.position:
-        place = apartment.start.position
-        notes.append(f"start: its place is not free; moved to ({place[0]:g}, {place[1]:g})")
+    if drawn and not options.start and drawn.position != shell.start.position:
+        x, y = shell.start.position
+        notes.append(f"start: its place is not free; moved to ({x:g}, {y:g})")
+    apartment, more = _finished(shell, openings, drawing, options)
+    return Imported(apartment, tuple(dict.fromkeys([*notes, *more])))
+
+
+def _finished(
+    apartment: Apartment, openings: Openings, drawing: PlanDrawing, options: PlanOptions
+) -> tuple[Apartment, list[str]]:
+    """The apartment with furniture and light, without what the checks refuse, and notes."""
     labels = {"passages": openings.passage_labels, "windows": openings.window_labels}
-    labels["furniture"] = []
+    notes: list[str] = []
     if options.furnish and drawing.fixtures:
         free = free_region(apartment, ROBOT_RADIUS)
-        pieces, labels["furniture"], more = furnished(apartment, drawing.fixtures, free)
+        pieces, labels["furniture"], notes = furnished(apartment, drawing.fixtures, free)
         apartment = apartment.model_copy(update={"furniture": tuple(pieces)})
-        notes.extend(more)
     if not drawing.fields.get("lamps") and "lighting" not in drawing.fields:
         apartment = with_room_lamps(apartment)
     while problems := list(check(apartment)):
         apartment, note = _without(apartment, labels, problems[0])
         notes.append(note)
-    return Imported(apartment, tuple(dict.fromkeys(notes)))
+    return apartment, notes
 
 
 def _check_extent(rooms: Sequence[PlanRoom]) -> None:

@@ -1,8 +1,8 @@
 """Fixtures of a drawing as pieces of furniture that stand on free floor.
 
 A fixture is drawn as an outline. Its box gives width, depth and turn, its back
-is the side nearest to the walls; what of it lies in a wall is cut off. It is
-placed only if the robot still reaches every room afterwards.
+is the side nearest to the walls; what of it lies in a wall is cut off, and a small
+gap behind it closed. It is placed only if the robot still reaches every room afterwards.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ LOW, HIGH = 0.01, 0.10
 """Between these heights a piece is in the robot's way, m."""
 LEAST = (0.5, 0.35)
 """The shorter and the longer side of a footprint, as shares of its kind's usual ones."""
+NEAR = 0.2
+"""Pieces drawn within this of the wall behind them stand at it, m."""
 INSET = 0.005
 """Pieces stand off the walls by this much, m."""
 
@@ -112,6 +114,7 @@ def _piece(fixture: PlanFixture, floor: shapely.Geometry) -> Piece | str:
     if not floor.buffer(1e-3).covers(_box(low, high, axes)):
         low, high = _largest_box(spot, axes)
     back = _back(low, high, axes, floor)
+    low, high = _pushed(low, high, axes, back, floor)
     return _sized(fixture.kind, low, high, axes, back)
 
 
@@ -168,6 +171,23 @@ def _back(low: Floats, high: Floats, axes: Floats, floor: shapely.Geometry) -> i
         # In a corner two sides are near: the longer is the back.
         distance.append(gap - 0.1 * size[1 - axis])
     return int(np.argmin(distance))
+
+
+def _pushed(
+    low: Floats, high: Floats, axes: Floats, back: int, floor: shapely.Geometry
+) -> tuple[Floats, Floats]:
+    """A box moved back to a wall near behind it, if the floor there is free."""
+    step = np.zeros(2)
+    step[back % 2] = 1.0 if back < 2 else -1.0
+    along = np.array([1.0 - abs(step[0]), 1.0 - abs(step[1])])
+    middle, half = (low + high) / 2, (high - low) / 2
+    rear = middle + step * half
+    side = shapely.LineString([(rear - along * half) @ axes, (rear + along * half) @ axes])
+    gap = float(floor.boundary.distance(side)) - INSET
+    if not 0.0 < gap <= NEAR:
+        return low, high
+    moved = low + gap * step, high + gap * step
+    return moved if floor.buffer(1e-3).covers(_box(*moved, axes)) else (low, high)
 
 
 def _sized(kind: str, low: Floats, high: Floats, axes: Floats, back: int) -> Piece | str:

@@ -21,6 +21,7 @@ from scenes.apartment import Frame, Passage, Wall, Window
 from scenes.importers.drawing import PlanOpening, PlanRoom
 from scenes.openings import LINING
 from scenes.solids import GAP
+from scenes.wall_checks import is_thick
 
 __all__ = ["LEAST_WIDTH", "Openings", "place_openings"]
 
@@ -46,7 +47,7 @@ PARALLEL = np.cos(np.radians(8.0))
 class Openings:
     """What became of the openings: they, the walls that carry them, and notes.
 
-    ``sources`` has the label of each passage, then of each window.
+    ``passage_labels`` and ``window_labels`` say which drawn opening each of them was.
     """
 
     passages: list[Passage]
@@ -324,6 +325,9 @@ def _fitted(
         half = (width / 2 + margin) * site.along
         start, end = (tuple(np.round(centre + side * half, 6).tolist()) for side in (-1.0, 1.0))
         wall = Wall(start=start, end=end, thickness=round(site.depth, 6))
+        band = shapely.LineString([start, end]).buffer(site.depth / 2, cap_style="flat")
+        if any(is_thick(band.intersection(room.shape)) for room in plan.rooms):
+            return "lies askew in its wall"
         found.carriers.append(wall)
     line = shapely.LineString([wall.start, wall.end])
     on_line = line.interpolate(line.project(shapely.Point(centre)))

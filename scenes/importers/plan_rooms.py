@@ -167,12 +167,12 @@ def _covering(drawing: PlanDrawing) -> shapely.Geometry:
 
 
 def _clear(rooms: Sequence[PlanRoom], walls: shapely.Geometry) -> list[PlanRoom]:
-    """Rooms without the floor that walls cover by more than the checks allow."""
+    """Rooms without the floor that walls cover by more than half of what the checks allow."""
     shapely.prepare(walls)
     return [
-        replace(room, shape=room.shape.difference(walls))
-        if is_thick(room.shape.intersection(walls))
-        else room
+        room
+        if room.shape.intersection(walls).buffer(-TOLERANCE / 4).is_empty
+        else replace(room, shape=room.shape.difference(walls))
         for room in rooms
     ]
 
@@ -184,8 +184,9 @@ def _apart(rooms: Sequence[PlanRoom], notes: list[str]) -> list[PlanRoom]:
     for place, larger in enumerate(order):
         for smaller in order[:place]:
             shared = shapes[larger].intersection(rooms[smaller].shape)
-            if is_thick(shared):
+            if shared.area > 1e-4:
                 shapes[larger] = shapes[larger].difference(rooms[smaller].shape)
+            if is_thick(shared):
                 notes.append(
                     f"{rooms[larger].label}: {rooms[larger].name!r} overlaps "
                     f"{rooms[smaller].name!r} by {shared.area:.3g} m², which the smaller keeps"

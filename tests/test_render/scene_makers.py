@@ -118,6 +118,40 @@ def add_lights(bpy: Any) -> None:
         bpy.context.scene.collection.objects.link(light)
 
 
+def build_workshop(bpy: Any) -> None:
+    """What is no mesh of its own: copies by nodes, mirrored and sheared boxes, a curve."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene.collection
+    add(bpy, "floor", [(0, 0, 0), (8, 0, 0), (8, 6, 0), (0, 6, 0)], [(0, 1, 2, 3)])
+    cube = box(bpy, "cube", (-0.1, -0.1, 0), (0.1, 0.1, 0.5))
+    cube.hide_render = cube.hide_viewport = True
+    points = add(bpy, "points", [(1, 1, 0), (2, 1, 0), (3, 1, 0)], [(0, 1, 2)])
+    group = bpy.data.node_groups.new("copies", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    copies = group.nodes.new("GeometryNodeInstanceOnPoints")
+    source = group.nodes.new("GeometryNodeObjectInfo")
+    source.inputs["Object"].default_value = cube
+    group.links.new(start.outputs[0], copies.inputs["Points"])
+    group.links.new(source.outputs["Geometry"], copies.inputs["Instance"])
+    group.links.new(copies.outputs[0], end.inputs[0])
+    points.modifiers.new("copies", "NODES").node_group = group
+    stretch = bpy.data.objects.new("stretch", None)
+    stretch.scale, stretch.location = (2, 1, 1), (5, 4, 0)
+    scene.objects.link(stretch)
+    sheared = box(bpy, "sheared", (-0.2, -0.2, 0), (0.2, 0.2, 1))
+    sheared.parent, sheared.rotation_euler = stretch, (0, 0, math.radians(45))
+    mirrored = box(bpy, "mirrored", (0, 0, 0), (0.5, 0.3, 1))
+    mirrored.scale, mirrored.location = (-1, 1, 1), (7.5, 1, 0)
+    cable = bpy.data.curves.new("cable", "CURVE")
+    cable.dimensions, cable.bevel_depth = "3D", 0.02
+    line = cable.splines.new("POLY")
+    line.points.add(1)
+    line.points[0].co, line.points[1].co = (2, 3, 0.03, 1), (3, 3, 0.03, 1)
+    scene.objects.link(bpy.data.objects.new("cable", cable))
+
+
 def add_oddities(bpy: Any, folder: Path) -> None:
     """What an importer cannot use: hidden, without a surface, missing, outside."""
     hidden = box(bpy, "hidden", (6, 2, FLOOR), (7, 3, FLOOR + 1))
@@ -177,6 +211,8 @@ def make_all(bpy: Any, folder: Path) -> None:
     )
     add_oddities(bpy, inner)
     save(bpy, inner / "odd.blend")
+    build_workshop(bpy)
+    save(bpy, inner / "workshop.blend")
     build_house(bpy)
     add_scripts(bpy, folder / "marker")
     save(bpy, inner / "evil.blend")

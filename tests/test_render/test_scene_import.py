@@ -12,7 +12,7 @@ import scene_makers
 import shapely
 import trimesh
 from scene_makers import read_contents
-from shapely import affinity
+from shapely import Polygon, affinity
 
 import render.task
 from dataset import RoomsegError
@@ -158,6 +158,21 @@ def test_a_house_of_loose_planes_and_instances(
     assert place.scene_file.file == f"house-{place.scene_file.sha256[:8]}.blend"
 
 
+def test_copies_by_nodes_mirrored_and_sheared_solids_and_curves(
+    foreign: Path, tmp_path: Path
+) -> None:
+    found = read_scene(foreign / "scenes" / "workshop.blend", tmp_path).apartment
+    half = 0.2 * np.sqrt(2.0)
+    solid = [
+        *(shapely.box(x - 0.1, 0.9, x + 0.1, 1.1) for x in (1, 2, 3)),
+        Polygon([(5 - 2 * half, 4), (5, 4 - half), (5 + 2 * half, 4), (5, 4 + half)]),
+        shapely.box(7.0, 1.0, 7.5, 1.3),
+        shapely.box(2.0, 2.98, 3.0, 3.02),
+    ]
+    wanted = shapely.box(0, 0, 8, 6).difference(shapely.union_all(solid))
+    assert is_near(free_of(found), wanted, CENTIMETRE)
+
+
 def test_what_cannot_be_used_is_said(foreign: Path, tmp_path: Path) -> None:
     found = read_scene(foreign / "scenes" / "odd.blend", tmp_path, name="my-house")
     assert found.apartment.name == "my-house"
@@ -201,6 +216,8 @@ def test_start_floor_and_slab_are_choices(foreign: Path, tmp_path: Path) -> None
     assert not free_of(found.apartment).intersects(shapely.Point(x, y))
     with pytest.raises(SceneError, match=r"start: \(1.2, 3.6\) has no free floor"):
         read_scene(house, tmp_path, start=scene_makers.WARDROBE[0])
+    with pytest.raises(SceneError, match="nowhere: cannot be written: No such file"):
+        read_scene(house, tmp_path / "nowhere")
     with pytest.raises(SceneError, match="expected 0 <= floor clearance < robot height"):
         read_scene(house, tmp_path, floor_clearance=0.2)
 

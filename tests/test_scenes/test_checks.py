@@ -269,3 +269,10 @@ def test_what_passes_the_checks_can_be_built(pieces, lamp, passage):
     )
     if not list(check(place)):
         apartment_mesh(place)
+
+
+def test_a_passage_whose_front_sees_no_floor_is_told():
+    rooms = two_rooms_data()["rooms"]
+    # The room begins 8 cm behind the wall: found, but not seen from the wall's face.
+    rooms[1]["polygon"] = [[4.18, 0], [7.1, 0], [7.1, 3], [4.18, 3]]
+    assert any("passages[0].width" in problem for problem in problems(rooms=rooms))

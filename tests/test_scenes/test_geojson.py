@@ -20,8 +20,7 @@ from scenes.apartment import Block
 from scenes.errors import SceneError
 from scenes.exporters.geojson import apartment_geojson, write_geojson
 from scenes.importers.geojson import read_geojson
-
-from .places import turned, two_rooms
+from test_scenes.places import turned, two_rooms
 
 CENTIMETRE = 0.01
 

@@ -239,9 +239,9 @@ def test_cubicasa_fixtures_without_a_boundary(tmp_path):
     path.write_text(text.replace('<g class="Railing">', sink + '<g class="Railing">'))
     pieces = read_cubicasa(path, scale=0.01).apartment.furniture
     machine = next(piece for piece in pieces if piece.kind == "washing_machine")
-    # The box around both parts: 10 to 70 by 0 to 65 px; 5 mm off the wall at its left.
+    # The box around both parts: 10 to 70 by 0 to 65 px, pushed to the wall 10 px to its left.
     np.testing.assert_allclose(sorted(machine.size[:2]), (0.6, 0.65), atol=0.01)
-    np.testing.assert_allclose(machine.position, (0.6, 6 - 4.325), atol=0.01)
+    np.testing.assert_allclose(machine.position, (0.505, 6 - 4.325), atol=0.01)
 
 
 def test_houseexpo_rooms_are_cut_at_doorways_and_by_boxes():

@@ -9,8 +9,7 @@ from shapely import Polygon
 
 from scenes import floor_area, load_apartment
 from scenes.exporters.svg import apartment_svg, write_svg
-
-from .places import OUTER, two_rooms
+from test_scenes.places import OUTER, two_rooms
 
 NAMES = {"svg": "http://www.w3.org/2000/svg"}
 
