@@ -11,6 +11,7 @@ changed is rendered again. Then ``docs/gallery.md`` and its JPEGs are written.
 from __future__ import annotations
 
 import hashlib
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -120,8 +121,9 @@ def write_page(places: list[Shown], homes: list[Shown], quality: int) -> None:
         name = item.apartment.name
         write_jpeg(target / f"{name}.jpg", cv2.imread(str(item.picture)), quality)
         light, contrast = item.apartment.lighting.source, item.apartment.passageway_contrast
-        text += f"**{item.caption}**, {light} light, {contrast} passageway contrast. "
-        text += f"{item.apartment.description}\n\n![{name}](gallery/{name}.jpg)\n\n"
+        words = f"**{item.caption}**, {light} light, {contrast} passageway contrast. "
+        text += textwrap.fill(words + item.apartment.description, 98)
+        text += f"\n\n![{name}](gallery/{name}.jpg)\n\n"
     text += MADE_UP.lstrip("\n")
     each = SHEET[0] * SHEET[1]
     for number, first in enumerate(range(0, len(homes), each), start=1):

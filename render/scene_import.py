@@ -205,7 +205,7 @@ def _apartment(
     else:
         lamps = ceiling_lamps(result.apartment, triangles)
         lit = {"lighting": Lighting(source="interior", sun_strength=0.0), "lamps": lamps}
-        notes.append(f"no light in the file: {len(lamps)} ceiling lamps and a dim sky added")
+        notes.append(f"no light in the file: ceiling lamps ({len(lamps)}) and a dim sky added")
     return result.apartment.model_copy(update=lit), (*notes, *result.notes)
 
 
