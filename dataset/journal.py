@@ -69,7 +69,7 @@ def journal_path(path: str | Path) -> Path:
 def _fingerprint(topomap: TopoMap) -> str:
     """Tells maps apart, but not a map from itself with other labels."""
     digest = hashlib.sha256(f"{topomap.environment}/{topomap.run}/{topomap.seed}".encode())
-    poses = topomap.nodes.true_pose
+    poses = topomap.nodes.camera_pose
     digest.update((topomap.nodes.position if poses is None else poses).tobytes())
     digest.update((topomap.scene or "").encode())
     return digest.hexdigest()

@@ -68,6 +68,14 @@ class Nodes:
     def __len__(self) -> int:
         return len(self.position)
 
+    @property
+    def camera_pose(self) -> Floats | None:
+        """True pose and tilt, (n, 5) m, m, rad, rad, rad; None for a real robot."""
+        if self.true_pose is None:
+            return None
+        tilt = np.zeros((len(self), 2)) if self.tilt is None else self.tilt
+        return np.hstack([self.true_pose, tilt])
+
 
 @dataclass(frozen=True)
 class Visits:

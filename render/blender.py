@@ -151,10 +151,15 @@ def add_camera(bpy: Any, scene: Any, camera: FisheyeCamera) -> Any:
 
 
 def place_camera(camera_object: Any, pose: NDArray[np.float64], height: float) -> None:
-    """Put the camera at ``pose`` (x m, y m, heading rad), ``height`` m above the floor."""
-    x, y, heading = (float(value) for value in pose)
+    """Put the camera at ``pose``, ``height`` m above the floor.
+
+    ``pose`` is x m, y m, heading rad and, optionally, roll (left side up) and
+    pitch (front down), rad. The camera is near the floor: a tilt does not move it.
+    """
+    x, y, heading, roll, pitch = (*(float(value) for value in pose), 0.0, 0.0)[:5]
     camera_object.location = (x, y, height)
-    camera_object.rotation_euler = (math.pi, 0.0, heading)
+    # Blender turns about x first: up, then leaning to a side, then to the front, then around.
+    camera_object.rotation_euler = (math.pi + roll, pitch, heading)
 
 
 def surface_area(mesh: Mesh, slot: int) -> float:

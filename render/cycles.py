@@ -178,7 +178,7 @@ class FrameSource:
         _wrap_engine(bpy, self._capture)
 
     def colour(self, pose: NDArray[np.float64], index: int = 0) -> NDArray[np.float32]:
-        """Linear RGB (h, w, 3) at ``pose`` (x m, y m, heading rad); 0 outside the disc.
+        """Linear RGB (h, w, 3) at ``pose`` (`render.blender.place_camera`); 0 outside the disc.
 
         Raises
         ------

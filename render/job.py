@@ -98,7 +98,7 @@ def _render(
     on_progress: Callable[[int, int], None] | None,
 ) -> int:
     """Expose and journal the frames of the nodes ``missing``."""
-    poses = topomap.nodes.true_pose
+    poses = topomap.nodes.camera_pose
     assert poses is not None
     count = 0
     with closing(process.frames(missing, poses)) as frames:

@@ -120,8 +120,8 @@ class RenderProcess:
         Parameters
         ----------
         indices : list of int
-        poses : array, shape (n, 3)
-            True poses of all nodes: m, m, rad.
+        poses : array, shape (n, 3) or (n, 5)
+            True poses of all nodes: m, m, rad, and how they lean; see `place_camera`.
 
         Yields
         ------

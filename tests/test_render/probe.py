@@ -30,6 +30,8 @@ CAMERAS = {
     "small": FisheyeCamera().resized(96),
 }
 POSE = np.array([1.0, -2.0, 0.7])
+LEANING = np.array([*POSE, 0.05, -0.08])
+"""With roll and pitch."""
 MARKER_DISTANCE = 10.0
 
 
@@ -73,13 +75,13 @@ def direction_world(bpy: Any, scene: Any) -> None:
     tree.links.new(background.outputs[0], output.inputs["Surface"])
 
 
-def directions(bpy: Any, camera: FisheyeCamera) -> np.ndarray:
+def directions(bpy: Any, camera: FisheyeCamera, pose: np.ndarray = POSE) -> np.ndarray:
     """Linear colours of the direction world."""
     scene = empty_scene(bpy)
     direction_world(bpy, scene)
     add_camera(bpy, scene, camera)
     configure(scene, Preset("probe", samples=8, denoise=False))
-    return FrameSource(bpy, scene, camera).colour(POSE)
+    return FrameSource(bpy, scene, camera).colour(pose)
 
 
 def marker(bpy: Any, scene: Any, azimuth: float, zenith: float, camera: FisheyeCamera) -> None:
@@ -216,6 +218,7 @@ def state(bpy: Any) -> dict[str, np.ndarray]:
 def main() -> None:
     bpy = load_bpy()
     found = {f"directions_{name}": directions(bpy, camera) for name, camera in CAMERAS.items()}
+    found["directions_leaning"] = directions(bpy, CAMERAS["small"], LEANING)
     found |= markers(bpy) | rooms(bpy) | furnace(bpy) | panes(bpy) | state(bpy)
     np.savez(sys.argv[1], **found)
     sys.stdout.flush()

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from probe import CAMERAS, POSE
+from probe import CAMERAS, LEANING, POSE
+from scipy.spatial.transform import Rotation
 
 from dataset.camera import FisheyeCamera
 from render.blender import render_window, surface_coordinates
@@ -33,6 +34,25 @@ def test_every_pixel_sees_the_direction_that_the_camera_model_says(
     angle = np.arccos(np.clip((seen * wanted).sum(axis=-1), -1.0, 1.0))[inside]
     assert angle.max() * camera.pixels_per_radian < 0.5
     assert np.sqrt((angle**2).mean()) * camera.pixels_per_radian < 0.1
+
+
+def test_a_leaning_robot_sees_leaning_directions(probed: dict[str, Any]) -> None:
+    camera = CAMERAS["small"]
+    level, _ = expected_directions(camera)
+    heading, roll, pitch = LEANING[2:]
+    # About the robot's own axes: to the left first, then ahead.
+    about = Rotation.from_euler("Z", heading)
+    lean = about * Rotation.from_euler("Y", pitch) * Rotation.from_euler("X", roll) * about.inv()
+    wanted = lean.apply(level.reshape(-1, 3)).reshape(level.shape)
+    seen = 2.0 * probed["directions_leaning"].astype(float) - 1.0
+    seen /= np.linalg.norm(seen, axis=-1, keepdims=True)
+    inside = camera.pixel_zenith() < np.radians(85.0)
+    angle = np.arccos(np.clip((seen * wanted).sum(axis=-1), -1.0, 1.0))[inside]
+    assert angle.max() * camera.pixels_per_radian < 0.5
+    # Left side up: what was straight above is now to the right.
+    up = wanted[camera.image_size[0] // 2, camera.image_size[1] // 2]
+    right = np.array([np.sin(heading), -np.cos(heading), 0.0])
+    assert up @ right > 0.03
 
 
 @pytest.mark.parametrize("name", CAMERAS)
