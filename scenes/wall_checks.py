@@ -44,30 +44,40 @@ def is_thick(region: shapely.Geometry) -> bool:
 def check_overlaps(apartment: Apartment) -> Iterator[str]:
     """Yield the pairs of rooms that overlap."""
     shapes = [Polygon(room.polygon) for room in apartment.rooms]
-    for b in range(len(shapes)):
-        for a in range(b):
-            shared = shapes[a].intersection(shapes[b])
-            if is_thick(shared):
-                other = apartment.rooms[a].name
-                yield (
-                    f"rooms[{b}].polygon: {apartment.rooms[b].name!r} overlaps {other!r} by "
-                    f"{shared.area:.3g} m²; expected clear floors apart by a wall"
-                )
+    for b, a in _meeting(shapes, shapes):
+        shared = shapes[a].intersection(shapes[b])
+        if a < b and is_thick(shared):
+            other = apartment.rooms[a].name
+            yield (
+                f"rooms[{b}].polygon: {apartment.rooms[b].name!r} overlaps {other!r} by "
+                f"{shared.area:.3g} m²; expected clear floors apart by a wall"
+            )
 
 
 def check_covered_floor(apartment: Apartment) -> Iterator[str]:
     """Yield the walls that stand on a room's clear floor."""
-    for index, wall in enumerate(apartment.walls):
-        line = shapely.LineString([wall.start, wall.end])
-        band = line.buffer(wall.thickness / 2, cap_style="flat")
-        for room in apartment.rooms:
-            covered = band.intersection(Polygon(room.polygon))
-            if is_thick(covered):
-                yield (
-                    f"walls[{index}]: from {metres(wall.start)} to {metres(wall.end)}, "
-                    f"{wall.thickness:.3g} m thick, covers {covered.area:.3g} m² of the clear "
-                    f"floor of {room.name!r}; expected the room to end at the wall's face"
-                )
+    shapes = [Polygon(room.polygon) for room in apartment.rooms]
+    bands = [
+        shapely.LineString([wall.start, wall.end]).buffer(wall.thickness / 2, cap_style="flat")
+        for wall in apartment.walls
+    ]
+    for index, number in _meeting(bands, shapes):
+        covered = bands[index].intersection(shapes[number])
+        if is_thick(covered):
+            wall, room = apartment.walls[index], apartment.rooms[number]
+            yield (
+                f"walls[{index}]: from {metres(wall.start)} to {metres(wall.end)}, "
+                f"{wall.thickness:.3g} m thick, covers {covered.area:.3g} m² of the clear "
+                f"floor of {room.name!r}; expected the room to end at the wall's face"
+            )
+
+
+def _meeting(shapes: list[Polygon], others: list[Polygon]) -> list[tuple[int, int]]:
+    """Indices of the shapes and others that touch or overlap, in order."""
+    pairs = shapely.STRtree(others).query(
+        np.array(shapes, dtype=object), predicate="intersects"
+    )
+    return [(int(a), int(b)) for a, b in sorted(pairs.T.tolist())]
 
 
 def check_enclosure(apartment: Apartment) -> Iterator[str]:
@@ -82,11 +92,13 @@ def check_enclosure(apartment: Apartment) -> Iterator[str]:
     # A side may also be a declared border to a room that no wall parts.
     own = shapely.linestrings(np.array(apartment.borders, dtype=float).reshape(-1, 2, 2))
     walls = shapely.union_all([*bands, masonry, *shapely.buffer(own, GAP)])
+    # Asking whether a side is covered is much cheaper than cutting the walls out of it.
+    shapely.prepare(walls)
     for index, room in enumerate(apartment.rooms):
         corners = [*room.polygon, room.polygon[0]]
         for a, b in itertools.pairwise(corners):
-            bare = shapely.LineString([a, b]).difference(walls)
-            if bare.length > TOLERANCE:
+            side = shapely.LineString([a, b])
+            if not walls.covers(side) and (bare := side.difference(walls)).length > TOLERANCE:
                 yield (
                     f"rooms[{index}].polygon: the side of {room.name!r} from {metres(a)} to "
                     f"{metres(b)} has no wall along {bare.length:.3g} m; expected a wall (open "

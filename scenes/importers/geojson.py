@@ -97,7 +97,8 @@ def read_geojson(
     reader = _Layers(path, 1.0 if scale is None else scale)
     rooms = [*_room_shapes(data["features"], reader.scale)]
     check_extent(path, rooms, scale)
-    reader.move(shapely.total_bounds(rooms))
+    if rooms:
+        reader.move(shapely.total_bounds(rooms))
     for index, feature in enumerate(data["features"]):
         reader.add(index, feature)
     drawing = reader.drawing({key: own[key] for key in OWN if key in own})
@@ -300,7 +301,7 @@ class _Layers:
     def _furniture(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "Polygon", "Point")
         kind = fields.get("kind")
-        if kind not in KINDS:
+        if not isinstance(kind, str) or kind not in KINDS:
             self.notes.append(f"{label}: {kind!r:.40} is no kind of furniture; left out")
             return
         piece = None
@@ -308,7 +309,7 @@ class _Layers:
             middle = part if part.geom_type == "Point" else part.exterior.centroid
             spot = (round(middle.x, 6), round(middle.y, 6))
             piece = self._make(label, Piece, {**fields, "position": spot})
-        self.fixtures.append(PlanFixture(f"{label} {kind!r}", str(kind), part, piece))
+        self.fixtures.append(PlanFixture(f"{label} {kind!r}", kind, part, piece))
 
     def _block(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "Polygon")

@@ -120,7 +120,7 @@ def _layers(path: str | Path, plan: Mapping[str, Any]) -> Shapes:
     layers: Shapes = {}
     for layer in (*ROOMS, *OUTSIDE, *OPENINGS, "wall"):
         texts = source.get(layer) or []
-        for index, text in enumerate([texts] if isinstance(texts, str) else texts):
+        for index, text in enumerate(texts if isinstance(texts, list) else [texts]):
             label = f"{layer}[{index}]"
             layers.setdefault(layer, []).extend((label, p) for p in _polygons(path, label, text))
     return layers
@@ -129,8 +129,8 @@ def _layers(path: str | Path, plan: Mapping[str, Any]) -> Shapes:
 def _polygons(path: str | Path, label: str, text: object) -> Iterator[Polygon]:
     try:
         with np.errstate(all="ignore"):
-            shape = shapely.from_wkt(text)
-    except (shapely.errors.ShapelyError, TypeError):
+            shape = shapely.from_wkt(text) if isinstance(text, str) else None
+    except shapely.errors.ShapelyError:
         shape = None
     if shape is None or not np.isfinite(shapely.get_coordinates(shape)).all():
         raise SceneError(f"{path}: {label}: {text!r:.60}; expected a POLYGON as WKT")
