@@ -1,6 +1,6 @@
 """Rendering an apartment that has a 3D scene of its own.
 
-Its lights and its world stay as they are. The apartment's lamps, sun and sky come on
+Its objects, lights and world stay as they are; settings of its rendering do not count. The apartment's lamps, sun and sky come on
 top of them; the importer leaves them dark for a scene that is lit. The sky does light
 here: nobody knows where the windows of a foreign scene are.
 """
@@ -10,10 +10,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from render.blender import add_mesh, build_materials
+from render.blender import add_mesh, build_materials, empty_scene
 from render.lighting import add_outdoor_light
 from render.scene_cleaning import open_blend, remove_scripts, settle_images
 from render.scene_evaluation import sources_of_light
+from render.scene_files import inspect_scene
 from scenes.apartment import Apartment
 from scenes.mesh import solids_mesh
 from scenes.scene_file import find_scene_file
@@ -34,12 +35,18 @@ def open_own_scene(bpy: Any, apartment: Apartment, folder: str | Path) -> Any:
     SceneError
         If the file is missing, has other content than it should, or cannot be read.
     """
-    scene = open_blend(bpy, find_scene_file(apartment, folder).resolve())
+    path = find_scene_file(apartment, folder).resolve()
+    inspect_scene(path)
+    empty_scene(bpy)
+    found, _ = open_blend(bpy, path)
     remove_scripts(bpy)
     settle_images(bpy, None)
-    scene.render.use_border = False
-    scene.render.use_motion_blur = False
-    scene.render.use_simplify = False
+    scene = bpy.data.scenes.new("rendered")
+    scene.world = found.world
+    for item in found.objects:
+        scene.collection.objects.link(item)
+    bpy.context.window.scene = scene
+    bpy.context.view_layer.update()
     prisms = [p for g in solid_groups(apartment) if g.collection == "lamps" for p in g.prisms]
     if prisms:
         shape = solids_mesh(apartment, prisms)

@@ -1,9 +1,10 @@
 """Opening a Blender file of any origin without running anything that is in it.
 
-Blender is told not to run scripts, and then everything that could run is taken out:
-texts, animation with its drivers, script nodes; and everything that would read other
-files while the scene is evaluated. Images are packed if they lie in the scene's own
-folder and left out otherwise. What is left out is said.
+The scene is appended to an empty file, not opened: Blender evaluates what it opens at
+once, with all that reads other files, but what is appended only when it is shown. Until
+then everything that could run is taken out: texts, animation with its drivers, script
+nodes; and everything that would read other files. Images are packed if they lie in the
+scene's own folder and left out otherwise. What is left out is said.
 """
 
 from __future__ import annotations
@@ -17,27 +18,51 @@ from scenes.errors import SceneError
 
 __all__ = ["all_data", "first_line", "open_blend", "remove_scripts", "settle_images"]
 
-READING_MODIFIERS = {"MESH_CACHE", "MESH_SEQUENCE_CACHE", "FLUID", "OCEAN"}
+READING_MODIFIERS = {"MESH_CACHE", "MESH_SEQUENCE_CACHE", "FLUID", "OCEAN", "DYNAMIC_PAINT"}
 """Modifiers that read files of their own."""
 GREY = 0.5
 
 
-def open_blend(bpy: Any, path: Path) -> Any:
-    """Open a Blender file with scripts off, and return its scene.
+def open_blend(bpy: Any, path: Path) -> tuple[Any, list[str]]:
+    """Append the scene of a Blender file, which is neither shown nor evaluated yet.
+
+    Parameters
+    ----------
+    bpy : module
+    path : Path
+        Absolute; passed by `render.scene_files.inspect_scene`.
+
+    Returns
+    -------
+    scene : bpy.types.Scene
+        Of several, the one with the most objects.
+    notes : list of str
+        A line for each other one.
 
     Raises
     ------
     SceneError
         If Blender cannot read it, or it takes data from other files.
     """
-    bpy.context.preferences.filepaths.use_scripts_auto_execute = False
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
-    except RuntimeError as error:
+        with bpy.data.libraries.load(str(path), link=False) as (there, here):
+            here.scenes = there.scenes
+    except (OSError, RuntimeError) as error:
         raise SceneError(f"{path}: Blender cannot read it: {first_line(error)}") from None
-    for library in bpy.data.libraries:
-        raise SceneError(f"{path}: links data of {library.filepath!r}; expected all in one file")
-    return bpy.context.scene
+    for library in list(bpy.data.libraries):
+        if library.filepath != str(path):
+            raise SceneError(
+                f"{path}: links data of {library.filepath!r}; expected all in one file"
+            )
+        bpy.data.libraries.remove(library)
+    scenes = [scene for scene in here.scenes if scene is not None]
+    if not scenes:
+        raise SceneError(f"{path}: no scene in it; expected one")
+    chosen = max(scenes, key=lambda scene: len(scene.objects))
+    others = [scene for scene in scenes if scene != chosen]
+    return chosen, [
+        f"scene {other.name!r}: not the largest of the file; left out" for other in others
+    ]
 
 
 def first_line(error: Exception) -> str:
@@ -69,7 +94,8 @@ def remove_scripts(bpy: Any) -> list[str]:
             notes.extend(_remove_nodes(label, block))
     for item in bpy.data.objects:
         notes.extend(_remove_modifiers(item))
-    for group in (bpy.data.cache_files, bpy.data.sounds, bpy.data.movieclips):
+    data = bpy.data
+    for group in (data.cache_files, data.sounds, data.movieclips, data.volumes):
         notes.extend(f"{block.id_type.lower()} {block.name!r}: left out" for block in group)
         bpy.data.batch_remove(list(group))
     fonts = [font for font in bpy.data.fonts if font.filepath != "<builtin>"]
@@ -142,12 +168,13 @@ def settle_images(bpy: Any, folder: Path | None) -> list[str]:
 
 def _pack(bpy: Any, image: Any, folder: Path | None) -> str | None:
     """Pack one image; why that is not possible otherwise."""
-    path = Path(bpy.path.abspath(image.filepath))
+    path = bpy.path.abspath(image.filepath)
     if image.source not in ("FILE", "TILED"):
         return f"a {image.source.lower()} cannot be packed"
-    if folder is None or not is_inside(folder, path):
+    files = [Path(path.replace("<UDIM>", str(tile.number))) for tile in image.tiles]
+    if folder is None or not all(is_inside(folder, file) for file in files):
         return f"{image.filepath!r} is outside of the scene's folder"
-    if image.source == "FILE" and not path.is_file():
+    if not all(file.is_file() for file in files):
         return f"{image.filepath!r} is missing"
     try:
         image.pack()

@@ -48,6 +48,7 @@ class Body:
 
 def evaluate_scene(bpy: Any, scene: Any) -> tuple[list[Body], list[str]]:
     """All meshes and lights that a rendering shows, and notes on what it does not."""
+    bpy.context.window.scene = scene
     _show_what_is_rendered(bpy, scene)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     bodies, shared = [], dict[tuple[Any, ...], Any]()

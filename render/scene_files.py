@@ -72,7 +72,9 @@ def is_inside(folder: Path, target: str | Path) -> bool:
 
 
 def _refuse_outside(path: Path, where: str, target: str) -> None:
-    if re.match(r"[a-zA-Z][a-zA-Z0-9+.-]*://", target) or not is_inside(path.parent, target):
+    # Importers take backslashes for slashes.
+    local = target.replace("\\", "/")
+    if re.match(r"[a-zA-Z][a-zA-Z0-9+.-]*://", local) or not is_inside(path.parent, local):
         raise SceneError(
             f"{path}: {where}: {target!r} leads out of the file's folder; expected a file in it"
         )
@@ -203,8 +205,11 @@ def _obj(path: Path, stream: IO[bytes]) -> bool:
     for number, line in enumerate(stream, start=1):
         if b"\0" in line:
             raise SceneError(f"{path}: line {number} is no text; expected Wavefront OBJ")
-        if line.lstrip()[:6] == b"mtllib":
-            target = line.split(maxsplit=1)[-1].decode(errors="replace").strip()
+        _, keyword, rest = line.partition(b"mtllib")
+        target = rest.decode(errors="replace").strip().strip('"')
+        if target.endswith("\\"):
+            raise SceneError(f"{path}: line {number}: mtllib goes on; expected it in one line")
+        if keyword:
             _refuse_outside(path, f"line {number}: mtllib", target)
     return False
 

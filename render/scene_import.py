@@ -164,7 +164,8 @@ def _name_of(path: Path) -> str:
 
 def _keep(blend: Path, folder: Path, name: str) -> SceneFile:
     """Give the Blender file the name of its content; atomic."""
-    digest = hashlib.sha256(blend.read_bytes()).hexdigest()
+    with blend.open("rb") as stream:
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
     file = f"{name[:48]}-{digest[:8]}.blend"
     force_to_disk(blend)
     blend.chmod(0o644)
@@ -231,8 +232,8 @@ def perform(
         ``notes``: what could not be used; ``light``: see `sources_of_light`.
     """
     source = Path(path)
-    scene = _open(bpy, source, up, own_unit=has_unit and scale is None)
-    notes = remove_scripts(bpy)
+    scene, notes = _open(bpy, source, up, own_unit=has_unit and scale is None)
+    notes += remove_scripts(bpy)
     notes += settle_images(bpy, source.parent)
     bodies, unused = evaluate_scene(bpy, scene)
     triangles = triangles_of(bodies)
@@ -252,8 +253,8 @@ def perform(
     return {"notes": notes + unused, "light": sorted(light)}
 
 
-def _open(bpy: Any, path: Path, up: Up, *, own_unit: bool) -> Any:
-    """Open or import a file into a Blender that runs no scripts; its scene."""
+def _open(bpy: Any, path: Path, up: Up, *, own_unit: bool) -> tuple[Any, list[str]]:
+    """Read a file into an empty Blender: its scene, and what else was in it."""
     scene = empty_scene(bpy)
     kind = path.suffix.lower()
     if kind == ".blend":
@@ -275,7 +276,7 @@ def _open(bpy: Any, path: Path, up: Up, *, own_unit: bool) -> Any:
             )
     except RuntimeError as error:
         raise SceneError(f"{path}: Blender cannot read it: {first_line(error)}") from None
-    return scene
+    return scene, []
 
 
 def _unit(path: Path, scene: Any, triangles: Triangles, has_unit: bool) -> float:

@@ -74,9 +74,7 @@ def check_covered_floor(apartment: Apartment) -> Iterator[str]:
 
 def _meeting(shapes: list[Polygon], others: list[Polygon]) -> list[tuple[int, int]]:
     """Indices of the shapes and others that touch or overlap, in order."""
-    pairs = shapely.STRtree(others).query(
-        np.array(shapes, dtype=object), predicate="intersects"
-    )
+    pairs = shapely.STRtree(others).query(np.array(shapes, dtype=object), predicate="intersects")
     return [(int(a), int(b)) for a, b in sorted(pairs.T.tolist())]
 
 

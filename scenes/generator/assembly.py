@@ -181,7 +181,7 @@ def _furniture(
 
 def _door_mat(plan: FloorPlan, site: Site, entrance: Doorway, habits: Habits) -> list[Piece]:
     """A mat inside the entrance, unless it would close the way."""
-    size = (0.7, 0.42, 0.012)
+    size = (0.7, 0.42, 0.009)
     inside = np.array(_inside(site.shape, entrance.position)) - entrance.position
     across = 0 if entrance.upright else 1
     position = np.array(entrance.position)

@@ -320,7 +320,7 @@ _LITTLE = {
     "basket": small("laundry_basket", (0.38, 0.38, 0.55)),
     "bin": small("waste_bin", (0.26, 0.26, 0.4)),
     "box": small("box", (0.4, 0.32, 0.3)),
-    "cable": small("cable", (1.2, 0.3, 0.012)),
+    "cable": small("cable", (1.2, 0.3, 0.009)),
     "horse": small("clothes_horse", (1.1, 0.55, 1.0), free=True),
     "ironing": small("ironing_board", (1.2, 0.38, 0.9)),
     "pet_bowl": small("pet_bowl", (0.5, 0.25, 0.06)),

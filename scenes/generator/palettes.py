@@ -10,6 +10,7 @@ dark on a light wall (high).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -19,13 +20,62 @@ from scenes.generator.wishes import Contrast, Source
 __all__ = ["Palette", "draw_lighting", "draw_palette"]
 
 WET = ("bathroom", "kitchen", "storage")
-DRY_FLOORS = ("parquet", "parquet_dark", "planks", "planks_grey", "laminate", "carpet_beige")
-WET_FLOORS = ("tiles_grey", "tiles_terracotta", "tiles_white", "tiles_blue", "linoleum")
-WOODS = ("wood", "wood_light", "wood_dark", "lacquer_white")
-CLOTHS = ("fabric_grey", "fabric_beige", "fabric_dark", "fabric_blue", "fabric_green", "fabric_red")
-RUGS = ("carpet_red", "carpet_blue", "carpet_beige", "carpet_grey")
+DRY_FLOORS = (
+    "parquet",
+    "parquet_dark",
+    "parquet_light",
+    "planks",
+    "planks_grey",
+    "oak_planks",
+    "walnut_planks",
+    "white_planks",
+    "laminate",
+    "carpet_beige",
+    "cork",
+)
+WET_FLOORS = (
+    "tiles_grey",
+    "tiles_terracotta",
+    "tiles_white",
+    "tiles_blue",
+    "tiles_beige",
+    "tiles_slate",
+    "tiles_green",
+    "terrazzo",
+    "linoleum",
+)
+WOODS = ("wood", "wood_light", "wood_dark", "wood_oak", "wood_cherry", "lacquer_white")
+CLOTHS = (
+    "fabric_grey",
+    "fabric_beige",
+    "fabric_dark",
+    "fabric_blue",
+    "fabric_green",
+    "fabric_red",
+    "fabric_brown",
+    "fabric_teal",
+    "fabric_yellow",
+    "linen",
+)
+COVERS = (*CLOTHS, "fabric_white", "fabric_pink", "denim")
+RUGS = ("carpet_red", "carpet_blue", "carpet_beige", "carpet_grey", "carpet_green", "carpet_dark")
 FRONTS = ("lacquer_white", "lacquer_white", "wood_light", "wood", "lacquer_red", "lacquer_black")
-SOFT_FLOORS = ("carpet_grey", "carpet_blue", "carpet_beige", "laminate", "planks")
+SOFT_FLOORS = (
+    "carpet_grey",
+    "carpet_beige",
+    "carpet_blue",
+    "laminate",
+    "planks",
+    "oak_planks",
+    "pine_planks",
+    "parquet_light",
+)
+MOTIFS: tuple[Literal["stripes", "dots", "sprigs", "ogee"], ...] = (
+    "stripes",
+    "dots",
+    "sprigs",
+    "ogee",
+)
 
 
 @dataclass(frozen=True)
@@ -84,12 +134,16 @@ def _swaps(rng: np.random.Generator) -> dict[str, str]:
     """What the furniture of one home is made of."""
     woods = [str(rng.choice(WOODS)) for _ in range(2)]
     cloths = [str(rng.choice(CLOTHS)) for _ in range(3)]
+    covers = [str(rng.choice(COVERS)) for _ in range(3)]
     return {
         "wood": woods[0],
         "wood_light": woods[1],
         "fabric_grey": cloths[0],
         "fabric_beige": cloths[1],
-        "fabric_blue": cloths[2],
+        "boxes:fabric_beige": cloths[2],
+        "cover:fabric_blue": covers[0],
+        "cover:fabric_green": covers[1],
+        "cover:fabric_red": covers[2],
         "carpet_red": str(rng.choice(RUGS)),
         "fronts:lacquer_white": str(rng.choice(FRONTS)),
         "worktop:stone": str(rng.choice(["stone", "wood", "wood_light"])),
@@ -119,7 +173,24 @@ def _wall(rng: np.random.Generator, kind: RoomKind, colour: Colour) -> Material:
     if kind == "bathroom":
         size = float(rng.choice([0.15, 0.2, 0.3]))
         return Material(pattern="tiles", colour=colour, size=size, roughness=0.3)
+    if kind in ("bedroom", "living_room", "office") and rng.random() < 0.4:
+        return _wallpaper(rng, colour)
     return Material(pattern="plaster", colour=colour, size=0.02, roughness=0.9)
+
+
+def _wallpaper(rng: np.random.Generator, colour: Colour) -> Material:
+    """A faint motif, so that the wall's reflectance stays what the contrast asks."""
+    shade = float(rng.uniform(0.75, 0.92))
+    red, green, blue = (round(shade * value, 3) for value in colour)
+    return Material(
+        pattern="wallpaper",
+        motif=MOTIFS[int(rng.integers(len(MOTIFS)))],
+        colour=colour,
+        second_colour=(red, green, blue),
+        size=round(float(rng.uniform(0.08, 0.3)), 2),
+        roughness=0.9,
+        seed=int(rng.integers(1000)),
+    )
 
 
 def _frame(rng: np.random.Generator, wall: Colour, contrast: Contrast) -> Colour:

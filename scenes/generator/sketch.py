@@ -34,6 +34,9 @@ Span = tuple[float, float]
 Links = list[tuple[int, int]]
 SMALL: tuple[RoomKind, ...] = ("bathroom", "storage")
 
+LONGEST = 2.1
+"""How many times as long as wide a home may be: longer ones are barracks."""
+
 
 @dataclass(frozen=True)
 class Sketch:
@@ -82,7 +85,7 @@ class _Canvas:
 
 
 def draw_sketch(rng: np.random.Generator, brief: Brief) -> Sketch | None:
-    """One random sketch; None if its pieces did not fit together."""
+    """One random sketch; None if its pieces did not fit together or make too long a home."""
     kinds = draw_programme(rng, brief)
     weights = draw_weights(rng, kinds)
     # Walls take about an eighth of a home, a corridor about a tenth.
@@ -100,7 +103,10 @@ def draw_sketch(rng: np.random.Generator, brief: Brief) -> Sketch | None:
         links = _along_corridor(canvas, brief)
     if links is None:
         return None
-    labels = np.rot90(canvas.labels(), int(rng.integers(4)))
+    labels = canvas.labels()
+    if max(labels.shape) > LONGEST * min(labels.shape):
+        return None
+    labels = np.rot90(labels, int(rng.integers(4)))
     labels = labels[:, ::-1] if rng.random() < 0.5 else labels
     hub = 1 if "corridor" in kinds else 0
     return Sketch(kinds, np.ascontiguousarray(labels), tuple(links), hub)

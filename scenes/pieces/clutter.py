@@ -19,9 +19,9 @@ def rug(w: float = 2.0, d: float = 1.4, h: float = 0.008, *, fabric: str = "carp
 
 
 def door_mat(
-    w: float = 0.7, d: float = 0.45, h: float = 0.012, *, mat: str = "coir", edge: str = "rubber"
+    w: float = 0.7, d: float = 0.45, h: float = 0.009, *, mat: str = "coir", edge: str = "rubber"
 ) -> Parts:
-    """Thicker than 1 cm, so that the robot feels it and turns away."""
+    """Low enough to be driven over."""
     outer = shapely.box(-w / 2, -d / 2, w / 2, d / 2)
     inner = outer.buffer(-0.03, join_style="mitre")
     yield Part(outer.difference(inner), 0.0, h, edge)
@@ -29,9 +29,9 @@ def door_mat(
 
 
 def cable(
-    w: float = 1.5, d: float = 0.3, h: float = 0.012, *, sheath: str = "plastic_black"
+    w: float = 1.5, d: float = 0.3, h: float = 0.009, *, sheath: str = "plastic_black"
 ) -> Parts:
-    """A bent cable as thick as its height: above 1 cm the robot feels it and turns away."""
+    """A bent cable as thick as its height; up to 1 cm the robot drives over it and leans."""
     if w < 10.0 * h or d < 4.0 * h:
         raise ValueError("no room for its bends")
     x = np.linspace(-w / 2 + h, w / 2 - h, 25)
