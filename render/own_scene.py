@@ -1,8 +1,9 @@
 """Rendering an apartment that has a 3D scene of its own.
 
-Its objects, lights and world stay as they are; settings of its rendering do not count. The apartment's lamps, sun and sky come on
-top of them; the importer leaves them dark for a scene that is lit. The sky does light
-here: nobody knows where the windows of a foreign scene are.
+Its objects, lights and world stay as they are; how its file would render them does not
+count. The apartment's lamps, sun and sky come on top of them; the importer leaves them
+dark for a scene that is lit. The sky does light here: nobody knows where the windows of
+a foreign scene are.
 """
 
 from __future__ import annotations

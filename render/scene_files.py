@@ -30,6 +30,7 @@ MOST_JSON = 200_000_000
 """Longest JSON of a glTF, bytes."""
 GZIP, ZSTD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
 SMALL_BLOCK, LARGE_BLOCK = struct.Struct("<4siQii"), struct.Struct("<4siQqq")
+USD = (".usd", ".usda", ".usdc", ".usdz")
 NEWEST = 500
 """The Blender that this is, as its files count: 5.0."""
 
@@ -71,10 +72,11 @@ def is_inside(folder: Path, target: str | Path) -> bool:
         return False
 
 
-def _refuse_outside(path: Path, where: str, target: str) -> None:
-    # Importers take backslashes for slashes.
-    local = target.replace("\\", "/")
-    if re.match(r"[a-zA-Z][a-zA-Z0-9+.-]*://", local) or not is_inside(path.parent, local):
+def _refuse_outside(path: Path, where: str, target: str, base: Path | None = None) -> None:
+    """An error if ``target``, as written in a file of ``base``, is outside of ``path``'s folder."""
+    local = target.replace("\\", "/")  # as importers do
+    found = (base or path.parent).absolute() / local
+    if re.match(r"[a-zA-Z][a-zA-Z0-9+.-]*://", local) or not is_inside(path.parent, found):
         raise SceneError(
             f"{path}: {where}: {target!r} leads out of the file's folder; expected a file in it"
         )
@@ -215,13 +217,19 @@ def _obj(path: Path, stream: IO[bytes]) -> bool:
 
 
 def _usd(path: Path, stream: IO[bytes]) -> bool:
-    has_unit = False
-    for first, layer in enumerate(usd_layers(path, stream)):
-        if not first:
-            has_unit = "metersPerUnit" in layer.words
-        for target in layer.assets:
-            _refuse_outside(path, "asset", target)
-    return has_unit
+    """Every file that a USD file names must lie in its folder, and what those name, too."""
+    root = list(usd_layers(path, stream))
+    seen, waiting = {path.resolve()}, [(path, root)]
+    while waiting:
+        file, layers = waiting.pop()
+        for target in (asset for layer in layers for asset in layer.assets):
+            _refuse_outside(path, "asset", target, file.parent)
+            part = (file.parent / target.partition("[")[0]).resolve()
+            if part.suffix.lower() in USD and part.is_file() and part not in seen:
+                seen.add(part)
+                with part.open("rb") as inner:
+                    waiting.append((part, list(usd_layers(part, inner))))
+    return any("metersPerUnit" in layer.words for layer in root[:1])
 
 
 def _stl(path: Path, stream: IO[bytes]) -> bool:
@@ -253,9 +261,6 @@ FORMATS = {
     ".obj": _obj,
     ".ply": _ply,
     ".stl": _stl,
-    ".usd": _usd,
-    ".usda": _usd,
-    ".usdc": _usd,
-    ".usdz": _usd,
+    **dict.fromkeys(USD, _usd),
 }
 """What can be imported, by suffix."""

@@ -28,9 +28,6 @@ __all__ = [
     "save_text",
 ]
 
-LINE = 96
-"""Lists that fit in this many characters stay on one line of a file."""
-
 
 def reference_names() -> list[str]:
     """Names of the built-in reference places, sorted."""
@@ -107,8 +104,15 @@ def apartment_from_json(text: str, *, origin: str = "scene", checked: bool = Tru
 
 
 def apartment_to_json(apartment: Apartment) -> str:
-    """Canonical JSON text: all fields in the model's order, short lists on one line."""
-    return _format(apartment.model_dump(mode="json"), 0) + "\n"
+    """Canonical JSON text, for people to read and edit.
+
+    One thing (room, wall, piece) per line, fields in the model's order, without those
+    that have their default.
+    """
+    data = apartment.model_dump(mode="json", exclude_defaults=True)
+    head = {"format": apartment.format, "format_version": apartment.format_version}
+    fields = [f'"{name}": {_lines(value)}' for name, value in (head | data).items()]
+    return "{\n  " + ",\n  ".join(fields) + "\n}\n"
 
 
 def save_apartment(apartment: Apartment, path: str | Path) -> None:
@@ -152,22 +156,17 @@ def save_bytes(data: bytes, path: str | Path) -> None:
         raise SceneError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
-def _format(value: Any, indent: int) -> str:
-    """JSON text of a value whose first line is already indented."""
+def _lines(value: Any) -> str:
+    """JSON text of a top-level value: a list of things, or a table of them, by lines."""
     flat = json.dumps(value, ensure_ascii=False)
-    if not isinstance(value, dict | list) or not value:
-        return flat
-    if isinstance(value, list) and len(flat) + indent <= LINE and "{" not in flat:
-        return flat
-    pad = " " * (indent + 2)
     if isinstance(value, list):
-        items = [_format(item, indent + 2) for item in value]
-        opening, closing = "[", "]"
+        items, ends = [json.dumps(item, ensure_ascii=False) for item in value], "[]"
+    elif isinstance(value, dict) and any(isinstance(item, dict) for item in value.values()):
+        items = [f"{json.dumps(k)}: {json.dumps(v, ensure_ascii=False)}" for k, v in value.items()]
+        ends = "{}"
     else:
-        items = [f"{json.dumps(k)}: {_format(v, indent + 2)}" for k, v in value.items()]
-        opening, closing = "{", "}"
-    body = f",\n{pad}".join(items)
-    return f"{opening}\n{pad}{body}\n{' ' * indent}{closing}"
+        return flat
+    return f"{ends[0]}\n    " + ",\n    ".join(items) + f"\n  {ends[1]}"
 
 
 def _parse(text: str, origin: str) -> None:

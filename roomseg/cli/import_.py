@@ -181,7 +181,7 @@ def _format_of(file: Path) -> str:
 def _json_format(file: Path) -> str:
     """Tell the floor plans that are JSON apart."""
     from dataset.errors import RoomsegError
-    from scenes.importers.plan_file import read_json
+    from scenes.importers.reading import read_json
 
     fields = read_json(file, "a floor plan")
     keys = set(fields) if isinstance(fields, dict) else set()

@@ -31,7 +31,8 @@ from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanFixture, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
-from scenes.importers.plan_file import ask_for_scale, built, check_extent, check_scale, read_text
+from scenes.importers.plan_file import ask_for_scale, built, check_extent, check_scale
+from scenes.importers.reading import read_text
 
 __all__ = ["read_cubicasa"]
 

@@ -45,7 +45,8 @@ from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanFixture, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
-from scenes.importers.plan_file import built, check_extent, check_scale, read_json
+from scenes.importers.plan_file import built, check_extent, check_scale
+from scenes.importers.reading import read_json
 from scenes.pieces import KINDS
 
 __all__ = ["read_geojson"]

@@ -32,7 +32,8 @@ from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.drawing import free_name
 from scenes.importers.free_space import free_space_apartment
-from scenes.importers.plan_file import check_extent, check_scale, read_json
+from scenes.importers.plan_file import check_extent, check_scale
+from scenes.importers.reading import read_json
 from scenes.importers.room_lamps import with_room_lamps
 from scenes.solids import polygons
 

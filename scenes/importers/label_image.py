@@ -25,6 +25,8 @@ from scenes.importers.tables import read_rows
 
 __all__ = ["LabelledRoom", "LabelledRooms", "read_label_image"]
 
+Ints = NDArray[np.int64]
+
 KINDS = get_args(RoomKind)
 NAME = r"[A-Za-z0-9][A-Za-z0-9_.-]{0,55}"
 """Names that an apartment takes, with room for a number behind."""
@@ -33,11 +35,16 @@ TABLE = "a table of rooms: columns value (or r,g,b), name, kind (CSV with that l
 
 @dataclass(frozen=True)
 class LabelledRoom:
-    """A room of a label picture; ``cells`` (rows, columns); no name: empty."""
+    """A room of a label picture; no name: empty.
+
+    ``cells`` (rows, columns) are the part of the picture that holds the room, ``corner``
+    (row, column) is where in the picture its upper left cell lies.
+    """
 
     name: str
     kind: RoomKind
     cells: NDArray[np.bool_]
+    corner: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -83,18 +90,20 @@ def read_label_image(
             f"{free.shape[1]} x {free.shape[0]}"
         )
     meaning = {} if table is None else _read_table(Path(table), coloured)
-    label, value_of = _components(np.where(free, values, 0), resolution)
-    if not value_of:
+    label, values_of = _components(np.where(free, values, 0), resolution)
+    if not values_of:
         raise SceneError(f"{path}: no room on any free cell; expected rooms that are not black")
     label, unnamed = _fill(label, free, resolution)
     rooms = []
-    for index in range(1, label.max() + 1):
-        name, kind = meaning.get(value_of.get(index, 0), ("", "other"))
-        rooms.append(LabelledRoom(name, kind, label == index))
+    for index, box in enumerate(ndimage.find_objects(label)):
+        value = values_of[index] if index < len(values_of) else 0
+        name, kind = meaning.get(value, ("", "other"))
+        corner = (box[0].start, box[1].start)
+        rooms.append(LabelledRoom(name, kind, label[box] == index + 1, corner))
     notes = [
-        f"{table}: {name!r}: no free cell has this label; left out"
+        f"{table}: {name!r}: labels less than {SMALLEST:g} m² of free floor; left out"
         for value, (name, _) in meaning.items()
-        if value not in value_of.values()
+        if value not in values_of
     ]
     if unnamed:
         notes.append(f"{path}: {unnamed} parts of the floor without a label: rooms of their own")
@@ -121,33 +130,41 @@ def _code(red: Any, green: Any, blue: Any) -> Any:
     return (red << 16) + (green << 8) + blue
 
 
-def _components(
-    values: NDArray[np.int64], resolution: float
-) -> tuple[NDArray[Any], dict[int, int]]:
-    """Connected cells of one value, from the size of a room on: their labels, and values."""
-    label = np.zeros(values.shape, dtype=np.int32)
-    value_of: dict[int, int] = {}
-    for value in np.unique(values[values != 0]):
-        parts, count = ndimage.label(values == value)
-        sizes = np.bincount(parts.ravel(), minlength=count + 1) * resolution**2
-        for part in np.flatnonzero(sizes[1:] >= SMALLEST) + 1:
-            value_of[len(value_of) + 1] = int(value)
-            label[parts == part] = len(value_of)
-    return label, value_of
+def _components(values: Ints, resolution: float) -> tuple[Ints, list[int]]:
+    """Connected cells of one value, from the size of a room on: labels from 1 on, values."""
+    known, index = np.unique(values, return_inverse=True)
+    number = _large(index.reshape(values.shape), known != 0, resolution)
+    label = np.zeros_like(number)
+    values_of: list[int] = []
+    # Values too rare for a room are gone, and each is looked for only where it is: a picture
+    # may have as many colours as pixels.
+    for place, box in enumerate(ndimage.find_objects(number), start=1):
+        own = number[box] == place
+        parts, count = ndimage.label(own)
+        parts = _large(parts, np.arange(count + 1) > 0, resolution)
+        label[box] += np.where(parts > 0, parts + len(values_of), 0)
+        values_of += [int(values[box][own][0])] * int(parts.max())
+    return label, values_of
 
 
-def _fill(
-    label: NDArray[Any], free: NDArray[np.bool_], resolution: float
-) -> tuple[NDArray[Any], int]:
+def _large(number: Ints, counts: NDArray[np.bool_], resolution: float) -> Ints:
+    """Cells numbered anew, 1, 2 …, without the numbers too rare for a room; those become 0.
+
+    ``counts`` (n,) says which numbers may stay at all.
+    """
+    area = np.bincount(number.ravel(), minlength=len(counts)) * resolution**2
+    stays = counts & (area >= SMALLEST)
+    renumbered: Ints = np.where(stays, np.cumsum(stays), 0)[number]
+    return renumbered
+
+
+def _fill(label: Ints, free: NDArray[np.bool_], resolution: float) -> tuple[Ints, int]:
     """Give free cells without a label to the nearest room, or to a room of their own."""
     parts, count = ndimage.label(free & (label == 0))
-    sizes = np.bincount(parts.ravel(), minlength=count + 1) * resolution**2
-    unnamed = np.flatnonzero(sizes[1:] >= SMALLEST) + 1
-    full, last = label.copy(), int(label.max())
-    for index, part in enumerate(unnamed):
-        full[parts == part] = last + 1 + index
+    unnamed = _large(parts, np.arange(count + 1) > 0, resolution)
+    full = label + np.where(unnamed > 0, unnamed + label.max(), 0)
     nearest = ndimage.distance_transform_edt(full == 0, return_distances=False, return_indices=True)
-    return np.where(free, full[tuple(nearest)], 0), len(unnamed)
+    return np.where(free, full[tuple(nearest)], 0), int(unnamed.max())
 
 
 def _read_table(path: Path, coloured: bool) -> dict[int, tuple[str, RoomKind]]:

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.errors import SceneError
+from scenes.importers.reading import read_bytes
 
-__all__ = ["is_picture", "read_bytes", "read_picture"]
+__all__ = ["is_picture", "read_picture"]
 
 Cells = NDArray[np.uint8]
 
@@ -41,25 +42,6 @@ def is_picture(path: Path) -> bool:
             return file.read(len(PNG)) == PNG
     except OSError:
         return False
-
-
-def read_bytes(path: Path, limit: int, expected: str) -> bytes:
-    """Read a file of bounded size.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, or has more than ``limit`` bytes.
-    """
-    try:
-        size = path.stat().st_size
-        if size > limit:
-            raise SceneError(
-                f"{path}: {size / 1e6:.1f} MB; expected {expected}, at most {limit / 1e6:g} MB"
-            )
-        return path.read_bytes()
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from None
 
 
 def read_picture(path: Path) -> Cells:

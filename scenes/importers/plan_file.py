@@ -1,11 +1,9 @@
-"""Reading plan files: size and text checked first, one line for what is wrong."""
+"""What all readers of plan files share: scale and extent checked, one line for what is wrong."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import shapely
@@ -16,58 +14,11 @@ from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, free_name
 from scenes.importers.plan import PlanOptions, build_apartment
 
-__all__ = ["ask_for_scale", "built", "check_extent", "check_scale", "read_json", "read_text"]
+__all__ = ["ask_for_scale", "built", "check_extent", "check_scale"]
 
-LARGEST_FILE = 20_000_000
-"""Bytes; the largest plans of the data sets read here have a few hundred thousand."""
 SMALLEST, LARGEST = 1.5, 300.0
 """The longer side of a home, m."""
 UNITS = {0.001: "millimetres", 0.01: "centimetres", 0.0254: "inches", 0.3048: "feet"}
-
-
-def read_text(path: str | Path, expected: str) -> str:
-    """The text of a plan file.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, is empty, too large, or no text.
-    """
-    try:
-        size = Path(path).stat().st_size
-        if size > LARGEST_FILE:
-            raise SceneError(
-                f"{path}: {size / 1e6:.0f} MB; expected {expected} of at most "
-                f"{LARGEST_FILE / 1e6:.0f} MB"
-            )
-        data = Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise SceneError(f"{path}: cannot be read: {reason}") from None
-    if not data.strip():
-        raise SceneError(f"{path}: the file is empty; expected {expected}")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: byte {error.start} is not text; expected {expected}") from None
-
-
-def read_json(path: str | Path, expected: str) -> Any:
-    """The data of a JSON file; errors as `read_text`, and if it is no JSON."""
-
-    def constant(name: str) -> Any:
-        raise SceneError(f"{path}: {name} is not a JSON number; expected a finite one")
-
-    text = read_text(path, expected)
-    try:
-        return json.loads(text, parse_constant=constant)
-    except json.JSONDecodeError as error:
-        where = f"line {error.lineno}, column {error.colno}"
-        raise SceneError(f"{path}: {where}: not JSON: {error.msg}; expected {expected}") from None
-    except (RecursionError, ValueError):
-        raise SceneError(
-            f"{path}: nested too deeply or a number too long; expected {expected}"
-        ) from None
 
 
 def check_scale(path: str | Path, scale: float | None) -> None:

@@ -28,7 +28,8 @@ from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
-from scenes.importers.plan_file import ask_for_scale, built, check_extent, check_scale, read_json
+from scenes.importers.plan_file import ask_for_scale, built, check_extent, check_scale
+from scenes.importers.reading import read_json
 
 __all__ = ["read_resplan"]
 

@@ -23,8 +23,10 @@ from scenes.apartment import Point
 from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.free_space import free_space_apartment
-from scenes.importers.label_image import read_label_image
-from scenes.importers.pictures import is_picture, read_bytes, read_picture
+from scenes.importers.label_image import LabelledRoom, read_label_image
+from scenes.importers.pictures import is_picture, read_picture
+from scenes.importers.reading import read_bytes
+from scenes.importers.room_lamps import with_room_lamps
 from scenes.importers.tables import read_borders
 
 __all__ = ["cell_region", "read_ros_map"]
@@ -129,7 +131,7 @@ def read_ros_map(
         found = read_label_image(Path(labels), label_table, grid.free, grid.resolution)
         notes += found.notes
         rooms = [
-            (room.name, room.kind, grid.placed(cell_region(room.cells, str(labels))))
+            (room.name, room.kind, grid.placed(_room_region(room, grid, str(labels))))
             for room in found.rooms
         ]
     result = free_space_apartment(
@@ -142,7 +144,7 @@ def read_ros_map(
         tolerance=SIMPLIFIED * grid.resolution,
         origin=str(path),
     )
-    return Imported(result.apartment, notes + result.notes)
+    return Imported(with_room_lamps(result.apartment), notes + result.notes)
 
 
 def cell_region(cells: Cells, origin: str) -> shapely.Geometry:
@@ -175,6 +177,13 @@ def cell_region(cells: Cells, origin: str) -> shapely.Geometry:
     union = shapely.union_all(shapely.box(left, top - 1.0, right, top))
     # Corners in the middle of a side go; nothing moves.
     return shapely.normalize(union).simplify(0.0)
+
+
+def _room_region(room: LabelledRoom, grid: Grid, origin: str) -> shapely.Geometry:
+    """The region of a labelled room, in cells; x right, y up."""
+    top, left = room.corner
+    below = len(grid.free) - top - len(room.cells)
+    return affinity.translate(cell_region(room.cells, origin), left, below)
 
 
 # ---- the files ------------------------------------------------------------------------------

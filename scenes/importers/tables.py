@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.errors import SceneError
-from scenes.importers.pictures import read_bytes
+from scenes.importers.reading import read_text
 
 __all__ = ["read_borders", "read_rows"]
 
@@ -23,7 +23,7 @@ ENDS = ("x0", "y0", "x1", "y1")
 
 
 def read_rows(path: Path, expected: str) -> list[dict[str, Any]]:
-    """Rows of a CSV file with a header line, or of a JSON list of objects.
+    """Rows of a CSV file with a header line, or of a JSON list of objects; at least one.
 
     Parameters
     ----------
@@ -36,9 +36,8 @@ def read_rows(path: Path, expected: str) -> list[dict[str, Any]]:
     SceneError
         If the file is neither.
     """
-    data = read_bytes(path, MOST_BYTES, expected)
+    text = read_text(path, expected, MOST_BYTES)
     try:
-        text = data.decode("utf-8-sig")
         if text.lstrip()[:1] in ("[", "{"):
             rows = json.loads(text)
         else:
@@ -47,6 +46,8 @@ def read_rows(path: Path, expected: str) -> list[dict[str, Any]]:
         raise SceneError(f"{path}: neither CSV nor JSON; expected {expected}") from None
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise SceneError(f"{path}: expected {expected}")
+    if not rows:
+        raise SceneError(f"{path}: no row, or no line of column names first; expected {expected}")
     return rows
 
 
