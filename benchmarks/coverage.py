@@ -44,11 +44,14 @@ def one_run(seed: int, number: int, folder: Path) -> dict[str, Any]:
     from simulator import RobotSpec, coverage_report, simulate
 
     apartment, robot = generate_apartment(seed), RobotSpec()
+    solid = obstacles(apartment, high=robot.height)
+    shapely.prepare(solid)
     start = None
     if number:
         rng = np.random.default_rng([seed, number])
-        # A centimetre more than the body: on the very limit the first turn would touch.
-        places = reachable_positions(apartment, robot.radius + 0.01)
+        places = reachable_positions(apartment, robot.radius)
+        # Grid points on the very limit may touch by rounding.
+        places = places[~shapely.dwithin(solid, shapely.points(places), robot.radius + 1e-6)]
         start = (*places[rng.integers(len(places))].tolist(), float(rng.uniform(-np.pi, np.pi)))
     figures: dict[str, Any] = {"seed": seed, "start": number, "rooms": len(apartment.rooms)}
     begin = time.process_time()
@@ -59,8 +62,6 @@ def one_run(seed: int, number: int, folder: Path) -> dict[str, Any]:
     figures |= {"failed": None, "seconds": time.process_time() - begin}
     report = coverage_report(topomap, apartment)
     assert topomap.path is not None
-    solid = obstacles(apartment, high=robot.height)
-    shapely.prepare(solid)
     track = shapely.points(topomap.path.true_pose[:, :2])
     inside = shapely.dwithin(solid, track, robot.radius - TOUCH)
     figures |= asdict(report) | {"collisions": int(inside.sum())}

@@ -94,6 +94,8 @@ def remove_scripts(bpy: Any) -> list[str]:
             notes.extend(_remove_nodes(label, block))
     for item in bpy.data.objects:
         notes.extend(_remove_modifiers(item))
+    for scene in [scene for scene in bpy.data.scenes if scene.rigidbody_world is not None]:
+        scene.rigidbody_world.point_cache.use_external = False
     data = bpy.data
     for group in (data.cache_files, data.sounds, data.movieclips, data.volumes):
         notes.extend(f"{block.id_type.lower()} {block.name!r}: left out" for block in group)
@@ -128,7 +130,7 @@ def _remove_nodes(label: str, tree: Any) -> Iterator[str]:
 
 def _remove_modifiers(item: Any) -> Iterator[str]:
     for modifier in list(item.modifiers):
-        if modifier.type in READING_MODIFIERS:
+        if modifier.type in READING_MODIFIERS or getattr(modifier, "is_external", False):
             yield f"object {item.name!r}: modifier {modifier.name!r} reads a file; left out"
             item.modifiers.remove(modifier)
         elif modifier.type == "NODES":
@@ -136,9 +138,8 @@ def _remove_modifiers(item: Any) -> Iterator[str]:
             for bake in modifier.bakes:
                 bake.directory = ""
     for owner in (*item.modifiers, *item.particle_systems):
-        cache = getattr(owner, "point_cache", None)
-        if cache is not None:
-            cache.use_external = False
+        if hasattr(owner, "point_cache"):
+            owner.point_cache.use_external = False
 
 
 def settle_images(bpy: Any, folder: Path | None) -> list[str]:

@@ -38,7 +38,7 @@ A name that is a word of Python has a line behind it there: ``import_``."""
 
 EXAMPLE = """\b
 Example:
-  roomseg generate --seed 7 --rooms 5 -o home7.json
+  roomseg generate --seed 7 -o home7.json
   roomseg simulate home7.json --runs 3 -o maps
   roomseg render maps/*.h5
   roomseg evaluate maps/*.h5

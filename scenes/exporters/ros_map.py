@@ -16,6 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import shapely
+import yaml
 from numpy.typing import NDArray
 from shapely import Polygon
 
@@ -34,15 +35,7 @@ MARGIN = 5
 """Unknown cells around the building."""
 MOST_CELLS = 64_000_000
 MOST_ROOMS = 255
-YAML = """\
-image: {image}
-resolution: {resolution!r}
-origin: [{x!r}, {y!r}, 0.0]
-negate: 0
-occupied_thresh: 0.65
-free_thresh: 0.196
-mode: trinary
-"""
+THRESHOLDS = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196, "mode": "trinary"}
 
 
 @dataclass(frozen=True)
@@ -133,8 +126,9 @@ def write_ros_map(
     save_bytes(header.encode() + grid.cells.tobytes(), image)
     save_bytes(cv2.imencode(".png", grid.rooms)[1].tobytes(), labels)
     save_text(_room_table(apartment), table)
-    x, y = grid.origin
-    save_text(YAML.format(image=image.name, resolution=resolution, x=x, y=y), path)
+    fields = {"image": image.name, "resolution": resolution, "origin": [*grid.origin, 0.0]}
+    text = yaml.safe_dump(fields | THRESHOLDS, sort_keys=False, allow_unicode=True)
+    save_text(text, path)
     return path, image, labels, table
 
 

@@ -31,8 +31,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -114,7 +115,7 @@ def _room_shapes(features: list[Any], scale: float) -> Iterator[shapely.Geometry
             if feature["properties"]["layer"] == "room":
                 geometry = feature["geometry"]
                 yield _geometry(geometry["type"], geometry["coordinates"], scale)
-        except (KeyError, TypeError, ValueError, IndexError, shapely.errors.ShapelyError):
+        except (TypeError, ValueError, LookupError, shapely.errors.ShapelyError):
             continue
 
 
@@ -162,8 +163,8 @@ class _Layers:
         makers: dict[object, Callable[..., None]] = {
             "room": self._room,
             "wall": self._wall,
-            "door": self._opening,
-            "window": self._opening,
+            "door": partial(self._opening, Passage),
+            "window": partial(self._opening, Window),
             "furniture": self._furniture,
             "block": self._block,
             "border": self._border,
@@ -209,7 +210,7 @@ class _Layers:
             )
         try:
             shape = _geometry(str(kind), geometry.get("coordinates"), self.scale)
-        except (TypeError, ValueError, IndexError, shapely.errors.ShapelyError) as error:
+        except (TypeError, ValueError, LookupError, shapely.errors.ShapelyError) as error:
             reason = str(error).splitlines()[0] if str(error) else "no coordinates"
             raise SceneError(
                 f"{self.path}: {label}: coordinates: {reason}; expected those of a {kind}"
@@ -251,7 +252,7 @@ class _Layers:
         shape = Polygon(part.exterior)
         self.rooms.append(PlanRoom(f"{label} {named!r}", named, room.kind, shape, rest))
         for hole in part.interiors:
-            self.blocks.append(Block(polygon=_corners(hole)))
+            self.blocks.append(self._make(label, Block, {"polygon": _corners(hole)}))
 
     def _wall(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "LineString", "Polygon")
@@ -266,9 +267,13 @@ class _Layers:
             if np.hypot(*np.subtract(a, b)) > 1e-3:
                 self.walls.append(self._make(label, Wall, {**fields, "start": a, "end": b}))
 
-    def _opening(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
-        door = "(door)" in label
-        model: type[BaseModel] = Passage if door else Window
+    def _opening(
+        self,
+        model: type[Passage | Window],
+        label: str,
+        part: shapely.Geometry,
+        fields: dict[str, Any],
+    ) -> None:
         item = self._make(label, model, {**fields, "position": (0.0, 0.0)})
         if part.geom_type == "Point":
             line = self._across_point(part, item.width)
@@ -277,9 +282,8 @@ class _Layers:
         given = set(fields) & set(model.model_fields) - {"width"}
         rest = {key: getattr(item, key) for key in given}
         start, end = (tuple(point) for point in line.tolist())
-        self.openings.append(
-            PlanOpening(label, "door" if door else "window", start, end, "closed", rest)
-        )
+        kind: Literal["door", "window"] = "door" if model is Passage else "window"
+        self.openings.append(PlanOpening(label, kind, start, end, "closed", rest))
 
     def _across_point(self, point: shapely.Point, width: float) -> Floats:
         """A line of that width along the nearest wall or room side drawn so far."""

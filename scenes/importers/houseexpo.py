@@ -46,6 +46,8 @@ WIDEST, WIDEST_AT_WALL = 2.0, 1.8
 """Of doorways from a wall end to another corner, and to a wall, m."""
 BEHIND = 0.4
 """So far behind its end there is still wall, m."""
+MOST_CORNERS = 3000
+"""Of an outline; the largest of the data set have a few hundred."""
 LEAST_WIDTH = 0.3
 """Of a doorway, m."""
 THICKEST = 0.35
@@ -116,8 +118,7 @@ def read_houseexpo(
     if not isinstance(data, dict) or "verts" not in data:
         raise SceneError(f"{path}: no verts; expected {FORMAT}")
     metres = 1.0 if scale is None else scale
-    floor = _floor(path, data["verts"], metres)
-    check_extent(path, [floor], scale)
+    floor = _floor(path, data["verts"], scale)
     boxes = _boxes(path, data.get("room_category") or {}, metres)
     rooms, notes = _rooms(floor, boxes)
     imported = free_space_apartment(
@@ -131,14 +132,18 @@ def read_houseexpo(
     return Imported(with_room_lamps(imported.apartment), (*notes, *imported.notes))
 
 
-def _floor(path: str | Path, verts: Any, metres: float) -> Polygon:
+def _floor(path: str | Path, verts: Any, scale: float | None) -> Polygon:
+    """The outline in metres."""
     try:
         points = np.array(verts, dtype=float).reshape(-1, 2)
         if len(points) < 3 or not np.isfinite(points).all():
             raise ValueError
     except (TypeError, ValueError):
         raise SceneError(f"{path}: verts: {verts!r:.60}; expected at least three x, y") from None
-    floor = Polygon(points * metres)
+    if len(points) > MOST_CORNERS:
+        raise SceneError(f"{path}: verts: {len(points)} corners; expected at most {MOST_CORNERS}")
+    floor = Polygon(points * (1.0 if scale is None else scale))
+    check_extent(path, [floor], scale)
     if not floor.is_valid:
         reason = shapely.is_valid_reason(floor)
         raise SceneError(f"{path}: verts: {reason}; expected a simple outline")

@@ -65,6 +65,7 @@ DOOR = 0.8
 NARROWER, NARROWINGS = 0.05, 4
 """By how much, m, and how often openings become narrower so that they do not overlap."""
 _FAULT = re.compile(r"(passages|windows|furniture)\[(\d+)\][^:]*: (.*)")
+MOST_ROOMS = 300
 OUTERMOST = 500.0
 """A home has no point further than this from the origin, m."""
 
@@ -106,10 +107,12 @@ def build_apartment(
     Raises
     ------
     SceneError
-        If a room crosses itself, nothing is left that a robot can live in, or
-        the drawing is so far off that the result is not a possible apartment.
+        If a room crosses itself, there are too many, nothing is left that a robot can
+        live in, or the drawing is so far off that the result is no possible apartment.
     """
     options = options or PlanOptions()
+    if len(drawing.rooms) > MOST_ROOMS:
+        raise SceneError(f"{len(drawing.rooms)} rooms; expected a home of at most {MOST_ROOMS}")
     drawing = replace(_named(drawing), wall_shapes=solid_shapes(drawing.wall_shapes))
     fitted = fit_rooms(drawing, options.wall_thickness)
     if not fitted.rooms:

@@ -161,28 +161,25 @@ def _absorb(
     rooms: list[FloorRoom], robot_floor: Polygon
 ) -> tuple[list[FloorRoom], tuple[str, ...]]:
     """Give what is no room to its neighbours, the smallest first."""
-    shapely.prepare(robot_floor)
-    rest = sorted(rooms, key=lambda room: room.polygon.area)
-    notes = []
-    index = 0
-    while index < len(rest) and len(rest) > 1:
-        room = rest[index]
-        small = room.polygon.area < SMALLEST
-        if not small and room.polygon.intersection(robot_floor).area >= ENTERED:
-            index += 1
-            continue
-        rest.pop(index)
+    rest, notes = list(rooms), []
+    entered = [float(room.polygon.intersection(robot_floor).area) for room in rest]
+    while len(rest) > 1:
+        areas = [room.polygon.area for room in rest]
+        unfit = [i for i, area in enumerate(areas) if area < SMALLEST or entered[i] < ENTERED]
+        if not unfit:
+            break
+        index = min(unfit, key=areas.__getitem__)
+        room, own = rest.pop(index), entered.pop(index)
         target = _closest_neighbour(room.polygon, rest)
         host = rest[target]
         rest[target] = _joined(host, room)
-        if not small:
+        entered[target] += own
+        if room.polygon.area >= SMALLEST:
             where = metres(shapely.get_coordinates(room.polygon.representative_point())[0])
             notes.append(
                 f"{room.name or 'room'} of {room.polygon.area:.1f} m² about {where}: no way in "
                 f"for the robot; its floor goes to {host.name or 'the room beside it'}"
             )
-        rest.sort(key=lambda item: item.polygon.area)
-        index = 0
     return rest, tuple(notes)
 
 

@@ -82,6 +82,7 @@ def test_a_newer_blender_is_named(tmp_path: Path) -> None:
         ("data:application/octet-stream;base64,AAAA", True),
         ("../secret.bin", False),
         ("%2e%2e/secret.bin", False),
+        ("..\\\\secret.bin", False),
         ("/etc/passwd", False),
         ("file:///etc/passwd", False),
         ("http://example.org/a.png", False),
@@ -122,6 +123,11 @@ def test_obj_says_no_unit_and_reads_materials_of_its_folder_only(tmp_path: Path)
     write(path, "v 0 0 0\n  mtllib ../../secret\n")
     with pytest.raises(SceneError, match=r"line 2: mtllib: '../../secret' leads out of"):
         inspect_scene(path)
+    for hidden in ('mtllib "../secret"', "\x01mtllib ..\\secret", "mtllib a/../../secret"):
+        with pytest.raises(SceneError, match=r"line 1: mtllib: .* leads out of"):
+            inspect_scene(write(path, hidden))
+    with pytest.raises(SceneError, match="line 1: mtllib goes on; expected it in one line"):
+        inspect_scene(write(path, "mtllib \\\n../secret\n"))
     with pytest.raises(SceneError, match="line 1 is no text"):
         inspect_scene(write(path, b"v 0 0 0 \0\n"))
 
@@ -138,6 +144,17 @@ def test_text_usd_names_files_of_its_folder_only(tmp_path: Path) -> None:
             inspect_scene(write(path, USDA.format(outside)))
 
 
+def test_what_usd_files_name_is_looked_into(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    path = write(tmp_path / "a.usda", USDA.format("parts/chair.usd"))
+    write(tmp_path / "parts" / "chair.usd", crate("../wood.png", "../a.usda", "leg.usda"))
+    write(tmp_path / "parts" / "leg.usda", USDA.format("chair.usd"))
+    assert inspect_scene(path) is True
+    write(tmp_path / "parts" / "leg.usda", USDA.format("../../leg.usd"))
+    with pytest.raises(SceneError, match=r"asset: '../../leg.usd' leads out of"):
+        inspect_scene(path)
+
+
 def test_packed_usd_is_looked_into(tmp_path: Path) -> None:
     path = tmp_path / "a.usdz"
     for target, fine in (("b.usda", True), ("../b.usda", False)):
@@ -149,6 +166,10 @@ def test_packed_usd_is_looked_into(tmp_path: Path) -> None:
         else:
             with pytest.raises(SceneError, match=r"'../b.usda' leads out of"):
                 inspect_scene(path)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
+        package.writestr("a.usda", USDA.format("b.usda") + " " * 10_000)
+    with pytest.raises(SceneError, match="no USD"):
+        inspect_scene(path)
     write(path, path.read_bytes()[:80])
     with pytest.raises(SceneError, match="cut short, damaged, or no USD"):
         inspect_scene(path)

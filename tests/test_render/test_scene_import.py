@@ -183,7 +183,7 @@ def test_what_cannot_be_used_is_said(foreign: Path, tmp_path: Path) -> None:
         "mesh 'hidden'": "hidden",
         "curve 'line'": "no surface",
         "empty 'nothing'": "nothing to see",
-        "volume 'smoke'": "neither mesh",
+        "volume 'smoke'": "left out",
         "image 'gone'": "is missing",
         "image 'outside'": "outside of the scene's folder",
     }.items():

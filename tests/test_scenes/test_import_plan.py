@@ -342,7 +342,7 @@ def test_nonsense_is_one_line(tmp_path, reader):
     fails(reader, path, scale=0.01)
     with path.open("wb") as file:
         file.truncate(50_000_000)
-    assert "50 MB" in fails(reader, path, scale=0.01)
+    assert "50.0 MB" in fails(reader, path, scale=0.01)
     assert "scale -1" in fails(reader, path, scale=-1.0)
 
 

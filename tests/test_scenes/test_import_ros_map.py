@@ -202,7 +202,8 @@ def test_labels_that_cannot_be_used(tmp_path):
 
     good, head = np.ones((40, 60), dtype=np.uint8), "value,name,kind\n"
     assert said(good[:-1], head) == f"{rooms}: 60 x 39 pixels; expected those of the map, 60 x 40"
-    assert said(0 * good, head) == (
+    assert said(good, head).startswith(f"{table}: no row, or no line of column names first; ")
+    assert said(0 * good, head + "1,a,other\n") == (
         f"{rooms}: no room on any free cell; expected rooms that are not black"
     )
     assert said(good, head + "1,a,cave\n").startswith(
@@ -217,7 +218,7 @@ def test_labels_that_cannot_be_used(tmp_path):
     cv2.imwrite(str(rooms), good)
     table.write_text(head + "1,a,other\n9,b,other\n", encoding="utf-8")
     notes = read_ros_map(path, labels=rooms, label_table=table).notes
-    assert f"{table}: 'b': no free cell has this label; left out" in notes
+    assert f"{table}: 'b': labels less than 0.5 m² of free floor; left out" in notes
 
 
 # ---- faults ---------------------------------------------------------------------------------
@@ -391,6 +392,11 @@ def test_a_map_far_away_is_told(tmp_path):
             "[",
             "neither CSV nor JSON; expected border segments: columns x0,y0,x1,y1 in metres (CSV "
             "with that line first, or JSON)",
+        ),
+        (
+            "1.5,0.65,1.5,1.35\n",
+            "no row, or no line of column names first; expected border segments: columns "
+            "x0,y0,x1,y1 in metres (CSV with that line first, or JSON)",
         ),
     ],
 )
