@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from shapely import Point as ShapelyPoint
 from shapely import Polygon
 
+from render.nodes import add_math
 from scenes.apartment import Apartment, Window
 from scenes.openings import place
 
@@ -105,22 +106,12 @@ def _set_sky(bpy: Any, scene: Any, strength: float, *, lights: bool = False) -> 
         background.inputs["Strength"].default_value = strength
     else:
         path = tree.nodes.new("ShaderNodeLightPath")
-        seen = _math(tree, "MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Glossy Ray"])
-        tree.links.new(_math(tree, "MULTIPLY", seen, strength), background.inputs["Strength"])
+        seen = add_math(
+            tree, "MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Glossy Ray"]
+        )
+        tree.links.new(add_math(tree, "MULTIPLY", seen, strength), background.inputs["Strength"])
     output = tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(background.outputs[0], output.inputs["Surface"])
-
-
-def _math(tree: Any, operation: str, first: Any, second: Any) -> Any:
-    """A sum, product, ... of a socket and a socket or number."""
-    node = tree.nodes.new("ShaderNodeMath")
-    node.operation = operation
-    tree.links.new(first, node.inputs[0])
-    if hasattr(second, "node"):
-        tree.links.new(second, node.inputs[1])
-    else:
-        node.inputs[1].default_value = second
-    return node.outputs[0]
 
 
 def _sky_colour(tree: Any, direction: Any, upward: float) -> Any:

@@ -36,27 +36,15 @@ from render.cycles import configure
 from render.lighting import add_lighting, lamp_radiance
 from render.presets import preset_named
 from render.task import run_task
-from scenes.apartment import Apartment, Colour, Material
+from scenes.apartment import Apartment
 from scenes.errors import SceneError
-from scenes.materials import LAMP_PREFIX, resolve
+from scenes.materials import LAMP_PREFIX, mean_colour, resolve
 from scenes.mesh import Mesh, apartment_mesh, solids_mesh
 from scenes.solids import SolidGroup, solid_groups
 
-__all__ = ["FORMATS", "mean_colour", "perform", "write_scene"]
+__all__ = ["FORMATS", "perform", "write_scene"]
 
 FORMATS = (".blend", ".glb")
-
-SECOND_SHARE = {
-    "plaster": 0.5,
-    "wallpaper": 0.5,
-    "parquet": 0.25,
-    "planks": 0.25,
-    "tiles": 0.04,
-    "carpet": 0.5,
-    "wood": 0.5,
-    "fabric": 0.5,
-}
-"""Share of a surface that has the second colour, by pattern, as `render.shading` draws it."""
 
 GLOW_KELVIN = np.array([1000.0, 2000.0, 3000.0, 4500.0, 6500.0, 12000.0])
 GLOW_RGB = np.array(
@@ -77,9 +65,10 @@ def write_scene(apartment: Apartment, path: str | Path) -> None:
     Raises
     ------
     SceneError
-        If the suffix is another, or the apartment itself is rendered from a scene file.
+        If the suffix is another, the apartment itself is rendered from a scene file, or
+        the file cannot be written.
     RoomsegError
-        If Blender fails or the file cannot be written.
+        If Blender fails.
     """
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
@@ -89,47 +78,32 @@ def write_scene(apartment: Apartment, path: str | Path) -> None:
             f"{apartment.name}: its 3D scene is {apartment.scene_file.file} already; "
             "expected an apartment without a scene_file"
         )
-    run_task(
-        "scene_export",
-        apartment=apartment.model_dump(mode="json"),
-        output=str(path.resolve()),
-    )
+    with tempfile.TemporaryDirectory() as folder:
+        # Blender minds the suffix, so it does not write to the part itself.
+        file = Path(folder) / f"scene{path.suffix.lower()}"
+        run_task("scene_export", apartment=apartment.model_dump(mode="json"), output=str(file))
+        try:
+            with replacing(path) as part:
+                shutil.copyfile(file, part)
+        except OSError as error:
+            raise SceneError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
 def perform(bpy: Any, *, apartment: dict[str, Any], output: str) -> dict[str, Any]:
-    """Build the scene and write it; see `write_scene`.
-
-    Returns
-    -------
-    dict
-        ``objects``: how many mesh objects there are.
-    """
-    place = Apartment.model_validate(apartment)
-    target = Path(output)
-    plain = target.suffix.lower() == ".glb"
-    count = _build(bpy, place, plain=plain)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / f"scene{target.suffix.lower()}"
-        _save(bpy, file)
-        try:
-            with replacing(target) as part:
-                shutil.copyfile(file, part)
-        except OSError as error:
-            raise SceneError(f"{target}: cannot be written: {error.strerror or error}") from None
-    return {"objects": count}
+    """Build the scene and write it; see `write_scene`. There is nothing to answer."""
+    plain = output.endswith(".glb")
+    _build(bpy, Apartment.model_validate(apartment), plain=plain)
+    if plain:
+        bpy.ops.export_scene.gltf(
+            filepath=output, export_format="GLB", export_lights=True, export_texcoords=False
+        )
+    else:
+        bpy.ops.wm.save_as_mainfile(filepath=output, compress=True)
+    return {}
 
 
-def _save(bpy: Any, file: Path) -> None:
-    if file.suffix == ".blend":
-        bpy.ops.wm.save_as_mainfile(filepath=str(file), compress=True)
-        return
-    bpy.ops.export_scene.gltf(
-        filepath=str(file), export_format="GLB", export_lights=True, export_texcoords=False
-    )
-
-
-def _build(bpy: Any, apartment: Apartment, *, plain: bool) -> int:
-    """The scene, one object per solid group; returns how many."""
+def _build(bpy: Any, apartment: Apartment, *, plain: bool) -> None:
+    """The scene, one object per solid group."""
     scene = empty_scene(bpy)
     scene.name = apartment.name
     whole = apartment_mesh(apartment)
@@ -140,8 +114,7 @@ def _build(bpy: Any, apartment: Apartment, *, plain: bool) -> int:
     else:
         made = build_materials(bpy, apartment, whole)
     materials = dict(zip(whole.materials, made, strict=True))
-    groups = solid_groups(apartment)
-    for group in groups:
+    for group in solid_groups(apartment):
         shape = solids_mesh(apartment, group.prisms)
         body = add_mesh(bpy, scene, shape, [materials[n] for n in shape.materials], group.name)
         _take_hold(body, group)
@@ -154,7 +127,6 @@ def _build(bpy: Any, apartment: Apartment, *, plain: bool) -> int:
             _move(bpy, scene, light, "lights")
     if not plain:
         _add_robot_camera(bpy, scene, apartment)
-    return len(groups)
 
 
 def _take_hold(body: Any, group: SolidGroup) -> None:
@@ -187,16 +159,6 @@ def _add_robot_camera(bpy: Any, scene: Any, apartment: Apartment) -> None:
 
 
 # ---- plain materials ------------------------------------------------------------------------
-
-
-def mean_colour(material: Material) -> Colour:
-    """Mean colour of a pattern, linear."""
-    share = SECOND_SHARE.get(material.pattern, 0.0) if material.second_colour else 0.0
-    second = material.second_colour or material.colour
-    red, green, blue = (
-        (1.0 - share) * a + share * b for a, b in zip(material.colour, second, strict=True)
-    )
-    return (red, green, blue)
 
 
 def _plain_material(bpy: Any, apartment: Apartment, mesh: Mesh, slot: int) -> Any:

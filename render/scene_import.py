@@ -236,12 +236,12 @@ def perform(
     notes += remove_scripts(bpy)
     notes += settle_images(bpy, source.parent)
     bodies, unused = evaluate_scene(bpy, scene)
-    triangles = triangles_of(bodies)
-    if not 0 < len(triangles) <= MOST_TRIANGLES:
+    count = sum(len(body.data.loop_triangles) for body in bodies if not body.is_light)
+    if not 0 < count <= MOST_TRIANGLES:
         raise SceneError(
-            f"{source}: {len(triangles)} triangles that are rendered; expected 1 to "
-            f"{MOST_TRIANGLES}"
+            f"{source}: {count} triangles that are rendered; expected 1 to {MOST_TRIANGLES}"
         )
+    triangles = triangles_of(bodies)
     if scale is None and source.suffix.lower() == ".blend":
         has_unit = scene.unit_settings.system != "NONE"
     frame = _frame(source, triangles, scale or _unit(source, scene, triangles, has_unit), floor)

@@ -21,6 +21,7 @@ from scenes.materials import BUILT_IN
 from scenes.parts import Part
 from scenes.passages import ROBOT_RADIUS, free_region
 from scenes.pieces import KINDS, piece_parts
+from scenes.rooms import rooms_at
 from scenes.solids import Prism, block_footprint, floor_region, polygons
 from scenes.wall_checks import (
     check_covered_floor,
@@ -174,7 +175,7 @@ def _furniture(apartment: Apartment) -> Iterator[str]:
 def _misplaced(apartment: Apartment, piece: Piece, allowed: shapely.Geometry) -> str | None:
     parts = piece_parts(piece)
     spot = shapely.Point(piece.position)
-    homes = [room for room in apartment.rooms if Polygon(room.polygon).intersects(spot)]
+    homes = [apartment.rooms[index] for index in rooms_at(apartment, spot)]
     if not homes:
         return f"position {metres(piece.position)} is in no room; expected inside one"
     outside = shapely.union_all([part.footprint for part in parts]).difference(allowed)
@@ -206,7 +207,7 @@ def _lamps(apartment: Apartment) -> Iterator[str]:
     for index, lamp in enumerate(apartment.lamps):
         field = f"lamps[{index}]"
         spot = shapely.Point(lamp.position)
-        homes = [room for room in apartment.rooms if Polygon(room.polygon).intersects(spot)]
+        homes = [apartment.rooms[index] for index in rooms_at(apartment, spot)]
         if not homes:
             yield f"{field}.position: {metres(lamp.position)} is in no room; expected inside one"
             continue

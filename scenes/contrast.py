@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from scenes.apartment import Apartment, Colour, Material, Passage
-from scenes.materials import resolve
+from scenes.apartment import Apartment, Material, Passage
+from scenes.materials import mean_colour, resolve
 from scenes.solids import passage_rooms
 
 __all__ = ["Contrast", "contrast_level", "passage_contrast", "passageway_contrast", "reflectance"]
@@ -27,25 +27,11 @@ LOW = 0.15
 HIGH = 0.6
 """From here on frames are several times darker or brighter than the walls."""
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
-SECOND_SHARE = {
-    "plaster": 0.5,
-    "wallpaper": 0.3,
-    "parquet": 0.3,
-    "planks": 0.3,
-    "tiles": 0.05,
-    "carpet": 0.5,
-    "wood": 0.5,
-    "fabric": 0.5,
-}
-"""About which share of a pattern is in its second colour."""
 
 
 def reflectance(material: Material) -> float:
     """Mean luminance of a surface, 0..1."""
-    share = SECOND_SHARE.get(material.pattern, 0.0)
-    second: Colour = material.second_colour or material.colour
-    mean = (1.0 - share) * np.array(material.colour) + share * np.array(second)
-    return float(WEIGHTS @ mean)
+    return float(WEIGHTS @ np.array(mean_colour(material)))
 
 
 def passage_contrast(apartment: Apartment, passage: Passage) -> float:

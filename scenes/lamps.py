@@ -10,11 +10,11 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapely
-from shapely import Polygon
 
 from scenes.apartment import Apartment, Lamp
 from scenes.materials import LAMP_PREFIX
 from scenes.parts import Part, Span, cylinder
+from scenes.rooms import room_shapes
 
 __all__ = ["BODY_HEIGHT", "lamp_parts", "lamp_underside"]
 
@@ -25,8 +25,8 @@ CARRIER = "metal_dark"
 
 def _ceiling_over(apartment: Apartment, lamp: Lamp) -> float:
     """Ceiling height of the room that the lamp is in or nearest to, m."""
-    shapes = [Polygon(room.polygon) for room in apartment.rooms]
-    nearest = int(np.argmin(shapely.distance(shapes, shapely.Point(lamp.position))))
+    distance = shapely.distance(room_shapes(apartment), shapely.Point(lamp.position))
+    nearest = int(np.argmin(distance))
     return apartment.rooms[nearest].ceiling_height
 
 

@@ -16,10 +16,21 @@ from scenes.errors import SceneError
 
 Motif = Literal["stripes", "dots", "sprigs", "ogee"]
 
-__all__ = ["BUILT_IN", "LAMP_PREFIX", "resolve"]
+__all__ = ["BUILT_IN", "LAMP_PREFIX", "mean_colour", "resolve"]
 
 LAMP_PREFIX = "lamp:"
 """Glowing bodies have the material ``lamp:INDEX`` of ``apartment.lamps[INDEX]``."""
+SECOND_SHARE = {
+    "plaster": 0.5,
+    "wallpaper": 0.3,
+    "parquet": 0.25,
+    "planks": 0.25,
+    "tiles": 0.04,
+    "carpet": 0.5,
+    "wood": 0.5,
+    "fabric": 0.5,
+}
+"""About which share of a pattern is in its second colour, as `render.patterns` draws it."""
 
 
 def _plain(colour: Colour, roughness: float = 0.6) -> Material:
@@ -240,3 +251,15 @@ def resolve(apartment: Apartment, name: str) -> Material:
     if index != name and index.isdecimal() and int(index) < len(apartment.lamps):
         return Material(colour=(1.0, 1.0, 1.0))
     raise SceneError(f"{apartment.name}: material {name!r} is neither its own nor built in")
+
+
+def mean_colour(material: Material) -> Colour:
+    """Mean colour of a pattern, linear."""
+    second = material.second_colour
+    if second is None:
+        return material.colour
+    share = SECOND_SHARE.get(material.pattern, 0.0)
+    red, green, blue = (
+        (1.0 - share) * a + share * b for a, b in zip(material.colour, second, strict=True)
+    )
+    return (red, green, blue)

@@ -24,6 +24,7 @@ from scenes.lamps import lamp_parts
 from scenes.openings import Opening, lining_of, place
 from scenes.parts import Part
 from scenes.pieces import piece_parts
+from scenes.rooms import room_shapes
 
 __all__ = [
     "WALL",
@@ -121,7 +122,7 @@ def masonry_region(apartment: Apartment) -> shapely.Geometry:
 
 def rooms_region(apartment: Apartment) -> shapely.Geometry:
     """Union of the room polygons, without the masonry that stands in them."""
-    rooms = shapely.union_all([Polygon(room.polygon) for room in apartment.rooms])
+    rooms = shapely.union_all(room_shapes(apartment))
     masonry = masonry_region(apartment)
     return rooms if masonry.is_empty else rooms.difference(masonry)
 
@@ -129,8 +130,7 @@ def rooms_region(apartment: Apartment) -> shapely.Geometry:
 def floor_area(apartment: Apartment) -> float:
     """Total clear floor of the rooms, furniture included, m² (Table 8)."""
     masonry = masonry_region(apartment)
-    shapes = [Polygon(room.polygon) for room in apartment.rooms]
-    return sum(float(shape.difference(masonry).area) for shape in shapes)
+    return float(shapely.area(shapely.difference(room_shapes(apartment), masonry)).sum())
 
 
 def building_region(apartment: Apartment) -> shapely.Geometry:
@@ -160,7 +160,7 @@ def wall_region(apartment: Apartment) -> shapely.Geometry:
 def passage_rooms(apartment: Apartment, passage: Passage) -> tuple[int | None, int | None]:
     """Indices of the rooms on the right (-across) and the left (+across) side of a passage."""
     opening = place(apartment, passage.position, passage.width)
-    shapes = [Polygon(room.polygon) for room in apartment.rooms]
+    shapes = room_shapes(apartment)
 
     def room_at(side: float) -> int | None:
         for step in (GAP + 0.01, 0.1):

@@ -7,10 +7,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import Polygon
 
 from scenes.apartment import Apartment, Passage, Point, Window
 from scenes.openings import Opening, lining_of, nearest_wall, place
+from scenes.rooms import room_shapes
 from scenes.solids import GAP, building_region, masonry_region, passage_rooms
 
 __all__ = [
@@ -24,6 +26,8 @@ __all__ = [
     "metres",
     "opening_rectangle",
 ]
+
+Shapes = NDArray[np.object_]
 
 TOLERANCE = 0.02
 """How far things may reach into one another before it is a mistake, m."""
@@ -43,7 +47,7 @@ def is_thick(region: shapely.Geometry) -> bool:
 
 def check_overlaps(apartment: Apartment) -> Iterator[str]:
     """Yield the pairs of rooms that overlap."""
-    shapes = [Polygon(room.polygon) for room in apartment.rooms]
+    shapes = room_shapes(apartment)
     for b, a in _meeting(shapes, shapes):
         shared = shapes[a].intersection(shapes[b])
         if a < b and is_thick(shared):
@@ -56,12 +60,12 @@ def check_overlaps(apartment: Apartment) -> Iterator[str]:
 
 def check_covered_floor(apartment: Apartment) -> Iterator[str]:
     """Yield the walls that stand on a room's clear floor."""
-    shapes = [Polygon(room.polygon) for room in apartment.rooms]
+    shapes = room_shapes(apartment)
     bands = [
         shapely.LineString([wall.start, wall.end]).buffer(wall.thickness / 2, cap_style="flat")
         for wall in apartment.walls
     ]
-    for index, number in _meeting(bands, shapes):
+    for index, number in _meeting(np.array(bands, dtype=object), shapes):
         covered = bands[index].intersection(shapes[number])
         if is_thick(covered):
             wall, room = apartment.walls[index], apartment.rooms[number]
@@ -72,9 +76,9 @@ def check_covered_floor(apartment: Apartment) -> Iterator[str]:
             )
 
 
-def _meeting(shapes: list[Polygon], others: list[Polygon]) -> list[tuple[int, int]]:
+def _meeting(shapes: Shapes, others: Shapes) -> list[tuple[int, int]]:
     """Indices of the shapes and others that touch or overlap, in order."""
-    pairs = shapely.STRtree(others).query(np.array(shapes, dtype=object), predicate="intersects")
+    pairs = shapely.STRtree(others).query(shapes, predicate="intersects")
     return [(int(a), int(b)) for a, b in sorted(pairs.T.tolist())]
 
 
@@ -112,12 +116,13 @@ def check_openings(apartment: Apartment) -> Iterator[str]:
             yield f"{field}.position: {problem}"
         else:
             yield from _passage(apartment, passage, field)
+    building = building_region(apartment) if apartment.windows else Polygon()
     for index, window in enumerate(apartment.windows):
         field = f"windows[{index}]"
         if problem := _off_wall(apartment, window.position):
             yield f"{field}.position: {problem}"
         else:
-            yield from _window(apartment, window, field)
+            yield from _window(apartment, window, field, building)
 
 
 def _off_wall(apartment: Apartment, position: Point) -> str | None:
@@ -158,7 +163,9 @@ def _passage(apartment: Apartment, passage: Passage, field: str) -> Iterator[str
         )
 
 
-def _window(apartment: Apartment, window: Window, field: str) -> Iterator[str]:
+def _window(
+    apartment: Apartment, window: Window, field: str, building: shapely.Geometry
+) -> Iterator[str]:
     as_passage = Passage(position=window.position, width=window.width)
     sides = passage_rooms(apartment, as_passage)
     opening = place(apartment, window.position, window.width)
@@ -169,7 +176,7 @@ def _window(apartment: Apartment, window: Window, field: str) -> Iterator[str]:
         for side, i in zip((-1.0, 1.0), sides, strict=True)
         if i is None
     ]
-    if len(inner) != 1 or building_region(apartment).intersects(outer[0]):
+    if len(inner) != 1 or building.intersects(outer[0]):
         yield (
             f"{field}.position: {metres(window.position)} is not between a room and the outside; "
             f"expected a place on an outer wall"

@@ -102,7 +102,7 @@ def _as_map(
     apartment: Apartment, vehicle: Vehicle, *, run: str, seed: int, created: str
 ) -> TopoMap:
     graph = vehicle.graph
-    edges = np.array(sorted(set(graph.edges)), dtype=np.int32).reshape(-1, 2)
+    edges = np.unique(graph.edges, axis=0)
     visits = sorted(graph.visits)
     truth = graph.true_pose.copy()
     return TopoMap(

@@ -25,12 +25,18 @@ class MapGraph:
         self._true_pose = np.zeros((256, 5))
         self.part: list[int] = []
         self.lane: list[int] = []
-        self.edges: list[tuple[int, int]] = []
+        self._edges = np.zeros((256, 2), np.int32)
+        self._edge_count = 0
         self.visits: list[tuple[float, int]] = []
         self._near: set[int] = set()
 
     def __len__(self) -> int:
         return len(self.part)
+
+    @property
+    def edges(self) -> Ints:
+        """Node pairs (e, 2), the smaller first, in order of creation."""
+        return self._edges[: self._edge_count]
 
     @property
     def estimate(self) -> Floats:
@@ -73,13 +79,22 @@ class MapGraph:
 
     def add_edge(self, a: int, b: int) -> None:
         """Join two nodes."""
-        self.edges.append((min(a, b), max(a, b)))
+        if self._edge_count == len(self._edges):
+            self._edges = np.concatenate([self._edges, np.zeros_like(self._edges)])
+        self._edges[self._edge_count] = min(a, b), max(a, b)
+        self._edge_count += 1
+
+    def joins(self, first: int) -> bool:
+        """Whether an edge joins the nodes from ``first`` on to older ones."""
+        return bool(((self.edges[:, 0] < first) & (self.edges[:, 1] >= first)).any())
 
     def remove_from(self, first: int) -> None:
         """Forget the nodes from ``first`` on."""
         del self.part[first:]
         del self.lane[first:]
-        self.edges = [edge for edge in self.edges if edge[1] < first]
+        kept = self.edges[self.edges[:, 1] < first]
+        self._edge_count = len(kept)
+        self._edges[: len(kept)] = kept
         self.visits = [visit for visit in self.visits if visit[1] < first]
         self._near = {node for node in self._near if node < first}
 
@@ -108,9 +123,9 @@ class MapGraph:
     def weights(self) -> csr_array:
         """Sparse matrix of edge lengths, m, shape (n, n)."""
         n = len(self)
-        if not self.edges:
+        if not self._edge_count:
             return csr_array((n, n))
-        a, b = np.array(self.edges).T
+        a, b = self.edges.T
         length = np.linalg.norm(self.position[a] - self.position[b], axis=1) + 1e-6
         return csr_array((length, (a, b)), shape=(n, n))
 

@@ -113,7 +113,7 @@ class LaneDriver:
     def _finished(self, first: int, part: int, heading: float) -> Lane | None:
         """Join the lane to the map, or forget it if nothing joins it."""
         graph = self._vehicle.graph
-        joined = first == 0 or any(a < first <= b for a, b in graph.edges)
+        joined = first == 0 or graph.joins(first)
         if not joined and not self._join(first):
             graph.remove_from(first)
             return None

@@ -1,4 +1,4 @@
-"""What there is to draw of a map: one panel for each of its parts."""
+"""What there is to draw of a map, as the paper's figures have it: one panel for each."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from dataset import MapFile
+    from dataset import MapFile, TopoMap
 
-__all__ = ["SHOWN", "Panel", "map_panels"]
+__all__ = ["SHOWN", "Panel", "map_panels", "outlines_of"]
 
-SHOWN = ("run", "obstacles", "graph", "truth", "rooms", "images")
+SHOWN = ("run", "floor", "obstacles", "edges", "graph", "width", "truth", "rooms", "images")
+"""Figs. 3, 17, 16, 4, 5, 7, 22 (truth and result) and 18 of the paper."""
+ASKED = ("floor", "edges", "width")
+"""Drawn only when they are asked for."""
 IMAGE_COUNT = 4
 
 Panel = Callable[[Any], None]
@@ -26,14 +29,15 @@ def map_panels(file: MapFile, show: tuple[str, ...]) -> list[Panel]:
     for name in show:
         if name not in available:
             raise RoomsegError(f"{file.path}: has no {name} to draw, only {', '.join(available)}")
-    return [panel for name in (show or available) for panel in available[name]]
+    usual = [name for name in available if name not in ASKED]
+    return [panel for name in (show or usual) for panel in available[name]]
 
 
 def _available(file: MapFile) -> dict[str, list[Panel]]:
     from roomseg import figures
 
     topomap = file.topomap
-    outlines = _outlines(topomap.scene)
+    outlines = outlines_of(topomap.scene)
     truth = topomap.ground_truth
     true_room = None if truth is None else truth.room
     rooms = file.rooms
@@ -47,16 +51,10 @@ def _available(file: MapFile) -> dict[str, list[Panel]]:
             )
         ],
         "obstacles": [partial(figures.draw_obstacle_map, topomap=topomap, title="Robot's map")],
-        "graph": [
-            partial(
-                figures.draw_graph,
-                topomap=topomap,
-                is_border=None if truth is None else truth.edge_is_border,
-                outlines=outlines,
-                title="Map graph",
-            )
-        ],
     }
+    panels |= _graph_panels(topomap, outlines)
+    if topomap.scene is not None:
+        panels["floor"] = [_floor_panel(topomap.scene, outlines)]
     draw_rooms = partial(figures.draw_rooms, topomap=topomap, outlines=outlines)
     if true_room is not None:
         panels["truth"] = [partial(draw_rooms, room=true_room, title="Ground truth")]
@@ -68,13 +66,42 @@ def _available(file: MapFile) -> dict[str, list[Panel]]:
     return panels
 
 
-def _outlines(scene: str | None) -> Any:
+def outlines_of(scene: str | None) -> Any:
     """Read what stands near the floor from the map's scene, if it has one."""
     if scene is None:
         return None
     from scenes import Apartment, obstacles
 
     return obstacles(Apartment.model_validate_json(scene))
+
+
+def _graph_panels(topomap: TopoMap, outlines: Any) -> dict[str, list[Panel]]:
+    """The graph with all its edges, what Algorithm 1 keeps of it, and how a width is measured."""
+    from roomseg import figures
+    from roomseg.preprocessing import preprocess
+    from roomseg.report.pictures import draw_passage
+    from roomseg.report.views import measure_passage
+
+    truth, graph = topomap.ground_truth, preprocess(topomap)
+    draw = partial(figures.draw_graph, topomap=topomap, outlines=outlines)
+    kept = None if truth is None else truth.edge_is_border[graph.kept]
+    panels: dict[str, list[Panel]] = {
+        "edges": [partial(draw, title="All edges")],
+        "graph": [partial(draw, edges=graph.edges, is_border=kept, title="Map graph")],
+    }
+    passage = measure_passage(topomap, graph.edges)
+    if passage is not None:
+        panels["width"] = [partial(draw_passage, view=passage)]
+    return panels
+
+
+def _floor_panel(scene: str, outlines: Any) -> Panel:
+    """The floor that is not occupied."""
+    from roomseg.figures import draw_floor
+    from scenes import Apartment, floor_region
+
+    floor = floor_region(Apartment.model_validate_json(scene))
+    return partial(draw_floor, floor=floor, obstacles=outlines, title="Free floor")
 
 
 def _image_panels(file: MapFile) -> list[Panel]:

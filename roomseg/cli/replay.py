@@ -43,7 +43,7 @@ def command(*, map_file: Path, output: Path, speed: float, height: int) -> None:
     """Show a run with beams, estimate and truth, and the covered floor filling in."""
     from dataset import RoomsegError, read_map
     from roomseg.cli.output import follow, progress_bar
-    from roomseg.cli.panels import _outlines as outlines_of
+    from roomseg.cli.panels import outlines_of
     from roomseg.figures.replay import replay_frames
 
     kind = output.suffix.lower()

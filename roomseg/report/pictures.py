@@ -38,6 +38,7 @@ from roomseg.report.views import measure_passage
 
 __all__ = [
     "Picture",
+    "draw_passage",
     "lintel_picture",
     "place_pictures",
     "result_pictures",
@@ -158,15 +159,20 @@ def _graph_pictures(place: Place, result: MapResult) -> Iterator[Picture]:
     )
 
 
-def _passage_picture(result: MapResult, view: PassageView) -> Picture:
+def draw_passage(ax: Any, view: PassageView) -> None:
+    """Draw how a passageway's width was measured, the edge upright (Fig. 7)."""
     middle, (x, y) = view.ends.mean(axis=0), view.ends[1] - view.ends[0]
-    upright = np.array([[y, x], [-x, y]]) / np.hypot(x, y)  # turns the edge to point up
+    upright = np.array([[y, x], [-x, y]]) / np.hypot(x, y)
     ends, obstacles, closest = (
         (points - middle) @ upright for points in (view.ends, view.obstacles, view.closest)
     )
     near = obstacles[np.abs(obstacles[:, 1]) < view.strip[1] + 0.4]
+    draw_passage_width(ax, ends, obstacles=near, closest=closest, strip=view.strip)
+
+
+def _passage_picture(result: MapResult, view: PassageView) -> Picture:
     figure = new_figure(_PLAN_WIDTH, 0.7 * _PLAN_WIDTH)
-    draw_passage_width(figure.subplots(), ends, obstacles=near, closest=closest, strip=view.strip)
+    draw_passage(figure.subplots(), view)
     return Picture.of(
         png_bytes(figure, dpi=230),
         f"{result.name} passage",

@@ -267,10 +267,12 @@ def _free_stretch(
 
     From, to along the wall about the site's centre. The wall goes on for ``margin`` m.
     """
+    spot, reach = shapely.Point(middle), length + 2.0 * (DEEPEST + margin)
+    near = [room.shape for room in rooms if room.shape.dwithin(spot, reach)]
     shift = float((middle - site.centre) @ site.along)
     low, high = shift - length / 2, shift + length / 2
     wall = shapely.box(-100.0, -100.0, 100.0, 100.0).difference(
-        shapely.union_all([_local(room.shape, site) for room in rooms])
+        shapely.union_all([_local(shape, site) for shape in near])
     )
     for side, index in ((-1.0, site.low), (1.0, site.high)):
         if index is None:
@@ -326,7 +328,10 @@ def _fitted(
         start, end = (tuple(np.round(centre + side * half, 6).tolist()) for side in (-1.0, 1.0))
         wall = Wall(start=start, end=end, thickness=round(site.depth, 6))
         band = shapely.LineString([start, end]).buffer(site.depth / 2, cap_style="flat")
-        if any(is_thick(band.intersection(room.shape)) for room in plan.rooms):
+        if any(
+            band.intersects(room.shape) and is_thick(band.intersection(room.shape))
+            for room in plan.rooms
+        ):
             return "lies askew in its wall"
         found.carriers.append(wall)
     line = shapely.LineString([wall.start, wall.end])

@@ -194,6 +194,28 @@ def add_scripts(bpy: Any, marker: Path) -> None:
     node.script = startup
 
 
+def add_readers(bpy: Any, pipe: str) -> None:
+    """What makes Blender read ``pipe`` as soon as the scene is evaluated; and a second scene."""
+    cache = bpy.data.objects["wall 0"].modifiers.new("cache", "MESH_CACHE")
+    cache.cache_format, cache.filepath = "PC2", pipe
+    group = bpy.data.node_groups.new("reader", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    reader, end = group.nodes.new("GeometryNodeImportOBJ"), group.nodes.new("NodeGroupOutput")
+    reader.inputs[0].default_value = pipe
+    group.links.new(reader.outputs[0], end.inputs[0])
+    table = add(bpy, "reader", [(0, 0, 9)], [])
+    table.modifiers.new("reader", "NODES").node_group = group
+    image = bpy.data.images.new("noise", 4, 4)
+    image.source, image.filepath = "FILE", pipe
+    texture = bpy.data.textures.new("noise", "IMAGE")
+    texture.image = image
+    bpy.data.objects["floor"].modifiers.new("noise", "DISPLACE").texture = texture
+    volume = bpy.data.volumes.new("smoke")
+    volume.filepath = pipe
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("smoke", volume))
+    bpy.data.scenes.new("a second")
+
+
 def save(bpy: Any, path: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
 
@@ -216,6 +238,9 @@ def make_all(bpy: Any, folder: Path) -> None:
     build_house(bpy)
     add_scripts(bpy, folder / "marker")
     save(bpy, inner / "evil.blend")
+    build_house(bpy)
+    add_readers(bpy, str(folder / "pipe"))
+    save(bpy, inner / "nosy.blend")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(str(inner / "house.blend"), link=True) as (there, here):
         here.objects = there.objects[:2]

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -256,25 +260,69 @@ def test_scripts_in_a_scene_never_run(foreign: Path, tmp_path: Path) -> None:
     assert not marker.exists()
 
 
+@contextmanager
+def listening(pipe: Path) -> Iterator[list[str]]:
+    """A named pipe; the list says whether anybody opened it, and nobody hangs on it."""
+    os.mkfifo(pipe)
+    readers: list[str] = []
+    done = threading.Event()
+
+    def watch() -> None:
+        while not done.wait(0.01):
+            with suppress(OSError):  # as long as nobody reads
+                os.close(os.open(pipe, os.O_WRONLY | os.O_NONBLOCK))
+                readers.append("somebody")
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    try:
+        yield readers
+    finally:
+        done.set()
+        thread.join()
+        pipe.unlink()
+
+
+def test_other_files_are_not_read_while_a_scene_is_opened(foreign: Path, tmp_path: Path) -> None:
+    nosy = foreign / "scenes" / "nosy.blend"
+    with listening(foreign / "pipe") as readers:
+        scene_makers.run(foreign, "trust", nosy)
+        assert readers  # or this test would show nothing
+        readers.clear()
+        found = read_scene(nosy, tmp_path)
+        place = named_by(nosy, tmp_path)
+        assert picture(place, tmp_path, (2.5, 2.5, 0.0)).max() > 0.0
+        assert not readers
+    assert is_near(free_of(found.apartment), house_floor(), CENTIMETRE)
+    notes = "\n".join(found.notes)
+    for said in ("scene 'a second'", "modifier 'cache'", "'Import OBJ'", "image 'noise'"):
+        assert said in notes
+
+
+def named_by(scene: Path, folder: Path) -> Apartment:
+    """An apartment whose file names a scene of somebody else, copied to ``folder``."""
+    (folder / scene.name).write_bytes(scene.read_bytes())
+    digest = hashlib.sha256(scene.read_bytes()).hexdigest()
+    fields: dict[str, Any] = load_apartment("sim3").model_dump(mode="json")
+    fields["scene_file"] = {"file": scene.name, "sha256": digest}
+    return Apartment.model_validate(fields)
+
+
 def test_the_evil_scene_itself_is_rendered_without_running_it(
     foreign: Path, tmp_path: Path
 ) -> None:
     """As from a map that names a file of somebody else."""
-    import hashlib
-
-    evil = foreign / "scenes" / "evil.blend"
-    (tmp_path / "evil.blend").write_bytes(evil.read_bytes())
-    digest = hashlib.sha256(evil.read_bytes()).hexdigest()
-    fields: dict[str, Any] = load_apartment("sim3").model_dump(mode="json")
-    fields["scene_file"] = {"file": "evil.blend", "sha256": digest}
-    image = picture(Apartment.model_validate(fields), tmp_path, (2.5, 2.5, 0.0))
-    assert image.max() > 0.0
+    place = named_by(foreign / "scenes" / "evil.blend", tmp_path)
+    assert picture(place, tmp_path, (2.5, 2.5, 0.0)).max() > 0.0
     assert not (foreign / "marker").exists()
 
 
 def test_data_of_other_files_is_refused(foreign: Path, tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"links data of other files \(.*house.blend\)"):
         read_scene(foreign / "scenes" / "linking.blend", tmp_path)
+    place = named_by(foreign / "scenes" / "linking.blend", tmp_path)
+    with pytest.raises(RoomsegError, match=r"links data of other files \(.*house.blend\)"):
+        picture(place, tmp_path, (2.5, 2.5, 0.0))
 
 
 # ---- nonsense -------------------------------------------------------------------------------

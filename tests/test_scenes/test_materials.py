@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from scenes import SceneError
-from scenes.apartment import Frame, Room, Window
-from scenes.materials import BUILT_IN, resolve
+from scenes.apartment import Frame, Material, Room, Window
+from scenes.materials import BUILT_IN, mean_colour, resolve
 from scenes.pieces import KINDS
 from scenes.solids import apartment_solids
 from test_scenes.places import framed, two_rooms
@@ -47,3 +47,9 @@ def test_every_solid_has_a_material_that_resolves():
     )  # fmt: skip
     for prism in apartment_solids(place):
         assert prism.material == "<wall>" or resolve(place, prism.material)
+
+
+def test_mean_colour_lies_between_the_two():
+    assert mean_colour(Material(pattern="wood", colour=(0.1, 0.2, 0.3))) == (0.1, 0.2, 0.3)
+    carpet = Material(pattern="carpet", colour=(0.2, 0.4, 0.6), second_colour=(0.0, 0.0, 0.0))
+    assert mean_colour(carpet) == pytest.approx((0.1, 0.2, 0.3))

@@ -47,7 +47,7 @@ def test_forgetting_the_last_nodes():
     graph = chain(6)
     graph.remove_from(4)
     assert len(graph) == 4
-    assert graph.edges == [(0, 1), (1, 2), (2, 3)]
+    assert graph.edges.tolist() == [[0, 1], [1, 2], [2, 3]]
     assert {node for _, node in graph.visits} == {0, 1, 2, 3}
 
 

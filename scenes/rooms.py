@@ -1,0 +1,28 @@
+"""Rooms as shapes, and which of them hold a point."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from scenes.apartment import Apartment
+
+__all__ = ["room_shapes", "rooms_at"]
+
+
+def room_shapes(apartment: Apartment) -> NDArray[np.object_]:
+    """Polygons of the rooms, shape (r,), m; masonry that stands in them included."""
+    # Made in one go: openings, lamps and pieces all ask for the rooms around them.
+    corners = [room.polygon for room in apartment.rooms]
+    owner = np.repeat(np.arange(len(corners)), [len(ring) for ring in corners])
+    shapes: NDArray[np.object_] = shapely.polygons(
+        shapely.linearrings(np.concatenate(corners), indices=owner)
+    )
+    return shapes
+
+
+def rooms_at(apartment: Apartment, spot: shapely.Point) -> list[int]:
+    """Indices of the rooms that hold a point."""
+    found: list[int] = np.flatnonzero(shapely.intersects(room_shapes(apartment), spot)).tolist()
+    return found
