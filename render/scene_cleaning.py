@@ -37,7 +37,7 @@ def open_blend(bpy: Any, path: Path) -> tuple[Any, list[str]]:
     scene : bpy.types.Scene
         Of several, the one with the most objects.
     notes : list of str
-        A line for each other one.
+        A line for each other one, and for each text.
 
     Raises
     ------
@@ -47,6 +47,7 @@ def open_blend(bpy: Any, path: Path) -> tuple[Any, list[str]]:
     try:
         with bpy.data.libraries.load(str(path), link=False) as (there, here):
             here.scenes = there.scenes
+            texts = list(there.texts)
     except (OSError, RuntimeError) as error:
         raise SceneError(f"{path}: Blender cannot read it: {first_line(error)}") from None
     for library in list(bpy.data.libraries):
@@ -59,10 +60,9 @@ def open_blend(bpy: Any, path: Path) -> tuple[Any, list[str]]:
     if not scenes:
         raise SceneError(f"{path}: no scene in it; expected one")
     chosen = max(scenes, key=lambda scene: len(scene.objects))
-    others = [scene for scene in scenes if scene != chosen]
-    return chosen, [
-        f"scene {other.name!r}: not the largest of the file; left out" for other in others
-    ]
+    notes = [f"text {name!r}: scripts are never run; left out" for name in texts]
+    others = [scene.name for scene in scenes if scene != chosen]
+    return chosen, notes + [f"scene {name!r}: not the largest one; left out" for name in others]
 
 
 def first_line(error: Exception) -> str:
@@ -86,7 +86,7 @@ def all_data(bpy: Any) -> Iterator[tuple[str, Any]]:
 
 def remove_scripts(bpy: Any) -> list[str]:
     """Take out what could run or read files; returns what that was, one line each."""
-    notes = [f"text {text.name!r}: scripts are never run; left out" for text in bpy.data.texts]
+    notes = []
     bpy.data.batch_remove(list(bpy.data.texts))
     for label, block in list(all_data(bpy)):
         notes.extend(_stop(label, block))

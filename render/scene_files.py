@@ -31,6 +31,8 @@ MOST_JSON = 200_000_000
 GZIP, ZSTD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
 SMALL_BLOCK, LARGE_BLOCK = struct.Struct("<4siQii"), struct.Struct("<4siQqq")
 USD = (".usd", ".usda", ".usdc", ".usdz")
+MOST_UNPACKED = 8_000_000_000
+"""Longest content of a Blender file, bytes; compressed nonsense can be any length."""
 NEWEST = 500
 """The Blender that this is, as its files count: 5.0."""
 
@@ -113,6 +115,7 @@ def _cut_short(path: Path) -> SceneError:
 def _libraries(path: Path, data: IO[bytes]) -> Iterator[str]:
     """Names of the files that a Blender file takes data from; reads all of its blocks."""
     block, wide = _blend_header(path, data)
+    left = MOST_UNPACKED
     while True:
         head = data.read(block.size)
         if len(head) < block.size:
@@ -121,13 +124,14 @@ def _libraries(path: Path, data: IO[bytes]) -> Iterator[str]:
         length = fields[3] if wide else fields[1]
         if fields[0] == b"ENDB":
             return
-        if length < 0:
+        left -= length
+        if length < 0 or left < 0:
             raise _cut_short(path)
         if fields[0] == b"LI\0\0":
-            names = re.findall(rb"[^\0-\x1f]+\.blend\b", _exactly(path, data, length))
+            names = re.findall(rb"[^\0-\x1f]+\.blend\b", data.read(min(length, 1 << 16)))
             yield (names[-1] if names else b"?").decode(errors="replace")
-        else:
-            _skip(path, data, length)
+            length -= 1 << 16
+        _skip(path, data, length)
 
 
 def _blend_header(path: Path, data: IO[bytes]) -> tuple[struct.Struct, bool]:
@@ -142,13 +146,6 @@ def _blend_header(path: Path, data: IO[bytes]) -> tuple[struct.Struct, bool]:
             raise SceneError(f"{path}: of Blender {int(new[2]) / 100:g}; expected at most 5.0")
         return LARGE_BLOCK, True
     raise SceneError(f"{path}: not a file of Blender for 64-bit computers; expected one")
-
-
-def _exactly(path: Path, data: IO[bytes], length: int) -> bytes:
-    content = data.read(length)
-    if len(content) < length:
-        raise _cut_short(path)
-    return content
 
 
 def _skip(path: Path, data: IO[bytes], length: int) -> None:

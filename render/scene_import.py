@@ -36,6 +36,7 @@ from render.scene_evaluation import (
 from render.scene_files import inspect_scene
 from render.task import run_task
 from scenes.apartment import Apartment, Lighting, Point, SceneFile
+from scenes.checks import check
 from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.ceiling_lamps import ceiling_lamps
@@ -105,7 +106,8 @@ def read_scene(
     Raises
     ------
     SceneError, RoomsegError
-        If the file cannot be read, does not say its unit, or has no floor for the robot.
+        If the file cannot be read, does not say its unit, or has no floor for the robot;
+        nothing is written then.
     """
     path, folder = Path(path), Path(output_folder)
     has_unit = inspect_scene(path)
@@ -122,7 +124,7 @@ def read_scene(
             **options,
         )
         with np.load(surface) as stored:
-            triangles = Triangles(stored["corners"].astype(float), stored["owner"])
+            triangles = Triangles(stored["corners"], stored["owner"])
         apartment, notes = _apartment(
             triangles,
             called,
@@ -132,6 +134,8 @@ def read_scene(
             slab=(floor_clearance, robot_height),
             light=set(found["light"]),
         )
+        for problem in check(apartment):
+            raise SceneError(f"{path}: {problem}")
         apartment = apartment.model_copy(update={"scene_file": _keep(blend, folder, called)})
     return Imported(apartment, (*found["notes"], *notes))
 

@@ -1,10 +1,10 @@
 """One job for Blender in a process of its own: a picture, a scene file read or written.
 
 The caller runs `run_task`; the child, ``python -m render.task``, reads one line of
-JSON (the task's name and arguments), calls ``perform(bpy, **arguments)`` of the
-task's module, and answers with one line. Large data go through files that the
-arguments name. As in `render.worker`, the end of the child's input ends it at once,
-so that nothing is left running when the caller is stopped.
+JSON (the task's name, its arguments, a folder for what is temporary), calls
+``perform(bpy, **arguments)`` of the task's module, and answers with one line. Large
+data go through files that the arguments name. As in `render.worker`, the end of the
+child's input ends it at once, so that nothing is left running when the caller is stopped.
 """
 
 from __future__ import annotations
@@ -48,12 +48,15 @@ def run_task(task: Task, **arguments: Any) -> dict[str, Any]:
     RoomsegError
         If the task says so, or the process ends without an answer.
     """
-    with tempfile.TemporaryFile() as log:
+    with (
+        tempfile.TemporaryFile() as log,
+        tempfile.TemporaryDirectory(prefix="roomseg-render-") as folder,
+    ):
         child = start_child("render.task", log)
         assert child.stdin is not None and child.stdout is not None
         try:
             with suppress(BrokenPipeError):
-                line = json.dumps({"task": task, "arguments": arguments})
+                line = json.dumps({"task": task, "arguments": arguments, "folder": folder})
                 child.stdin.write(line.encode() + b"\n")
                 child.stdin.flush()
             answer = child.stdout.readline()
@@ -86,12 +89,11 @@ def _last_words(log: IO[bytes], status: int) -> str:
     return f"the process ended with {status}: {' '.join(lines[-1:])}"
 
 
-def _perform(line: str) -> dict[str, Any]:
-    """Do what the line asks for; an error that a user can cause becomes the answer."""
-    request = json.loads(line)
-    module = importlib.import_module(f"render.{request['task']}")
+def _perform(task: Task, arguments: dict[str, Any]) -> dict[str, Any]:
+    """Do a task; an error that a user can cause becomes the answer."""
+    module = importlib.import_module(f"render.{task}")
     try:
-        answer: dict[str, Any] = module.perform(load_bpy(), **request["arguments"])
+        answer: dict[str, Any] = module.perform(load_bpy(), **arguments)
     except (RoomsegError, SceneError) as error:
         return {"error": str(error)}
     return answer
@@ -101,11 +103,11 @@ def main() -> None:
     """Serve one task; leaves the process without the interpreter's shutdown."""
     channel = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    folder = os.environ["TMPDIR"] = tempfile.mkdtemp(prefix="roomseg-render-")
-    lines: SimpleQueue[str] = SimpleQueue()
-    Thread(target=read_lines, args=(lines, folder), daemon=True).start()
+    request = json.loads(sys.stdin.readline())
+    folder = os.environ["TMPDIR"] = request["folder"]
+    Thread(target=read_lines, args=(SimpleQueue(), folder), daemon=True).start()
     try:
-        answer = _perform(lines.get())
+        answer = _perform(request["task"], request["arguments"])
         channel.write(json.dumps(answer).encode() + b"\n")
         channel.flush()
     except BaseException:

@@ -34,7 +34,7 @@ from scenes.wall_checks import (
     opening_rectangle,
 )
 
-__all__ = ["check"]
+__all__ = ["check", "check_blocks", "check_lamps", "piece_faults"]
 
 
 def check(apartment: Apartment) -> Iterator[str]:
@@ -52,7 +52,7 @@ def check(apartment: Apartment) -> Iterator[str]:
             check_openings,
             check_shared_openings,
         ),
-        (_lamps,),
+        (check_lamps,),
         (_furniture, _start),
     )
     for stage in stages:
@@ -113,22 +113,26 @@ def _room_materials(room: Room, field: str) -> Iterator[tuple[str, str]]:
 
 def _kinds(apartment: Apartment) -> Iterator[str]:
     for index, piece in enumerate(apartment.furniture):
-        field = f"furniture[{index}]"
-        kind = KINDS.get(piece.kind)
-        if kind is None:
-            yield f"{field}.kind: {piece.kind!r} is no kind; {_closest(piece.kind, KINDS)}"
-            continue
-        unknown = [slot for slot in piece.materials if slot not in kind.slots]
-        for slot in unknown:
-            hint = _closest(slot, kind.slots)
-            yield f"{field}.materials: a {piece.kind} has no slot {slot!r}; {hint}"
-        if not unknown:
-            try:
-                size, slots = piece.size or kind.size, {slot: slot for slot in kind.slots}
-                for part in kind.build(*size, **slots):
-                    Prism(part.footprint, part.bottom, part.top, part.material)
-            except ValueError as error:
-                yield f"{field}.size: {piece.size} is too small for a {piece.kind}: {error}"
+        yield from (f"furniture[{index}].{fault}" for fault in piece_faults(piece))
+
+
+def piece_faults(piece: Piece) -> Iterator[str]:
+    """Yield why a piece cannot be made: the field, its value, what would be right."""
+    kind = KINDS.get(piece.kind)
+    if kind is None:
+        yield f"kind: {piece.kind!r} is no kind; {_closest(piece.kind, KINDS)}"
+        return
+    unknown = [slot for slot in piece.materials if slot not in kind.slots]
+    for slot in unknown:
+        hint = _closest(slot, kind.slots)
+        yield f"materials: a {piece.kind} has no slot {slot!r}; {hint}"
+    if not unknown:
+        try:
+            size, slots = piece.size or kind.size, {slot: slot for slot in kind.slots}
+            for part in kind.build(*size, **slots):
+                Prism(part.footprint, part.bottom, part.top, part.material)
+        except ValueError as error:
+            yield f"size: {piece.size} is too small for a {piece.kind}: {error}"
 
 
 def _shapes(apartment: Apartment) -> Iterator[str]:
@@ -139,13 +143,14 @@ def _shapes(apartment: Apartment) -> Iterator[str]:
             yield f"rooms[{index}].polygon: {reason}; expected a simple polygon"
         elif shape.area < 0.1:
             yield f"rooms[{index}].polygon: {shape.area:.3g} m²; expected at least 0.1 m²"
-    yield from _blocks(apartment)
+    yield from check_blocks(apartment)
     for index, wall in enumerate(apartment.walls):
         if np.hypot(*np.subtract(wall.start, wall.end)) < 1e-3:
             yield f"walls[{index}].end: {metres(wall.end)} is its start; expected another point"
 
 
-def _blocks(apartment: Apartment) -> Iterator[str]:
+def check_blocks(apartment: Apartment) -> Iterator[str]:
+    """Yield the blocks whose outline or heights make no solid."""
     for index, block in enumerate(apartment.blocks):
         shape = block_footprint(block)
         if not shape.is_valid:
@@ -203,7 +208,8 @@ def _in_block(apartment: Apartment, parts: list[Part]) -> str | None:
     return None
 
 
-def _lamps(apartment: Apartment) -> Iterator[str]:
+def check_lamps(apartment: Apartment) -> Iterator[str]:
+    """Yield the lamps that are in no room, in a wall, or above the ceiling."""
     for index, lamp in enumerate(apartment.lamps):
         field = f"lamps[{index}]"
         spot = shapely.Point(lamp.position)

@@ -7,13 +7,11 @@ content do not meet under one name.
 from __future__ import annotations
 
 import hashlib
-import os
-import shutil
-import tempfile
 from pathlib import Path
 
 from scenes.apartment import Apartment
 from scenes.errors import SceneError
+from scenes.storage import save_bytes
 
 __all__ = ["find_scene_file", "take_scene_file"]
 
@@ -67,14 +65,4 @@ def take_scene_file(apartment: Apartment, source: str | Path, target: str | Path
     if copy.exists():
         find_scene_file(apartment, target)
         return
-    try:
-        handle, temporary = tempfile.mkstemp(dir=copy.parent, prefix=f".{copy.name}.")
-        os.close(handle)
-        try:
-            shutil.copyfile(path, temporary)
-            Path(temporary).chmod(0o644)
-            Path(temporary).replace(copy)
-        finally:
-            Path(temporary).unlink(missing_ok=True)
-    except OSError as error:
-        raise SceneError(f"{copy}: cannot be written: {error.strerror or error}") from None
+    save_bytes(path.read_bytes(), copy)

@@ -76,6 +76,13 @@ class GridMap:
         point = pose[:2] + radius * np.array([np.cos(angle), np.sin(angle)])
         self.evidence[tuple(self.cells(point[None])[0])] = gridcells.CONTACT
 
+    def forget_contacts(self, point: Floats, radius: float) -> None:
+        """Take back the contacts within a square of ``radius`` m around a point."""
+        low, high = self.cells(np.stack([point - radius, point + radius]))
+        window = np.s_[max(low[0], 0) : high[0] + 1, max(low[1], 0) : high[1] + 1]
+        felt = self.evidence[window] > gridcells.HIGH
+        self.evidence[window][felt] = 0
+
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
         self._hold(pose[:2], 1.0 + _MARGIN)

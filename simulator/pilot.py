@@ -29,6 +29,10 @@ _GLANCING = 0.2
 """A contact more than 11° off the direction of travel can be dodged, rad, ..."""
 _SIDESTEP = 0.012
 """... by moving aside so far, m."""
+_STUCK = 0.1
+"""A journey that ended so near to its beginning, m, got stuck, ..."""
+_FORGET = 0.4
+"""... and the contacts so far around, m, are then forgotten."""
 _TOLERANCE = 0.03
 """The map may place an obstacle that much too near, m: noise and cell size."""
 
@@ -210,9 +214,30 @@ class Pilot:
             points = graph.position[route]
             if attempt == 0:
                 points = self._shortcut(points)
+            begin = self.position.copy()
             if all(self.drive_to(point) or self.drive_around(point) for point in points):
                 return True
-            self.back_off()
+            if float(np.hypot(*(self.position - begin))) < _STUCK:
+                self.escape()
+            else:
+                self.back_off()
+        return False
+
+    def escape(self) -> bool:
+        """Leave a place from which nothing can be reached, whichever way is free.
+
+        What was felt there is forgotten: put into the map a little wrong, it may
+        bar the way out. False if the robot cannot get away.
+        """
+        self.vehicle.grid.forget_contacts(self.position, _FORGET)
+        begin = self.position.copy()
+        behind = self.vehicle.estimate[2] + self.vehicle.contact + np.pi
+        for turn in (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0):
+            heading = wrap(behind + turn * np.pi)
+            self.turn_to(heading)
+            self.follow(heading, 2.0 * _STUCK, careful=False)
+            if float(np.hypot(*(self.position - begin))) >= _STUCK:
+                return True
         return False
 
     def _route(self, goal: int) -> list[int]:

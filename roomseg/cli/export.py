@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from roomseg.cli.options import OutputFile
+from roomseg.cli.options import FiniteRange, OutputFile
 
 WRITERS = {
     ".blend": "render.scene_export:write_scene",
@@ -42,7 +42,7 @@ Example:
 )
 @click.option(
     "--resolution",
-    type=click.FloatRange(0.001, 1.0),
+    type=FiniteRange(0.001, 1.0),
     help="Of a grid map, metres per cell; 0.05 if absent.",
 )
 def command(*, apartment: str, outputs: tuple[Path, ...], **options: Any) -> None:

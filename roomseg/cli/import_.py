@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from roomseg.cli.options import output_option
+from roomseg.cli.options import FiniteRange, output_option
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -100,10 +100,10 @@ class NameType(click.ParamType[str]):
     "--scale",
     "--resolution",
     "scale",
-    type=click.FloatRange(0, min_open=True),
+    type=FiniteRange(0, min_open=True),
     help="Metres per unit or pixel of FILE.",
 )
-@click.option("--ceiling", "ceiling_height", type=click.FloatRange(1, 20), help="Its height, m.")
+@click.option("--ceiling", "ceiling_height", type=FiniteRange(1, 20), help="Its height, m.")
 @click.option(
     "--borders", type=EXISTING, help="Lines between rooms: CSV or JSON, x0,y0,x1,y1 in m."
 )
@@ -122,13 +122,17 @@ class NameType(click.ParamType[str]):
 )
 @click.option("--plan", help="ResPlan: id of the plan, in a file that has several.")
 @click.option(
-    "--floor-clearance", type=click.FloatRange(0, 1), help="3D scenes: what is lower is floor, m."
+    "--floor-clearance", type=FiniteRange(0, 1), help="3D scenes: what is lower is floor, m."
 )
-@click.option("--floor", type=float, help="3D scenes: height of the floor, m; found if absent.")
+@click.option(
+    "--floor",
+    type=FiniteRange(-1000, 1000),
+    help="3D scenes: height of the floor, m; found if absent.",
+)
 @click.option("--up", type=click.Choice(["Y", "Z"]), help="OBJ, PLY, STL: the axis upwards.")
 @click.option(
     "--robot-height",
-    type=click.FloatRange(0, 3),
+    type=FiniteRange(0, 3),
     help="3D scenes: obstacles are lower, m.",
 )
 def command(*, file: Path, output: Path, format_: str | None, **options: Any) -> None:
@@ -138,6 +142,8 @@ def command(*, file: Path, output: Path, format_: str | None, **options: Any) ->
     SVG, HouseExpo or ResPlan JSON, R2V text) or a 3D scene (.blend, .glb, .obj, USD …).
     What cannot be used is told line by line on standard error.
     """
+    import numpy as np
+
     from dataset.errors import RoomsegError
     from scenes import check, floor_area, save_apartment
 
@@ -146,7 +152,9 @@ def command(*, file: Path, output: Path, format_: str | None, **options: Any) ->
     reader = _reader(format_, given)
     if format_ == "scene":
         given["output_folder"] = output.parent  # the scene's own file goes beside the apartment's
-    result = reader(file, **given)
+    # GEOS raises floating-point flags on absurd coordinates; readers refuse what comes of them.
+    with np.errstate(all="ignore"):
+        result = reader(file, **given)
     for note in result.notes:
         click.echo(f"{file}: {' '.join(note.split())}", err=True)
     apartment = result.apartment

@@ -127,7 +127,7 @@ def write_ros_map(
     save_bytes(cv2.imencode(".png", grid.rooms)[1].tobytes(), labels)
     save_text(_room_table(apartment), table)
     fields = {"image": image.name, "resolution": resolution, "origin": [*grid.origin, 0.0]}
-    text = yaml.safe_dump(fields | THRESHOLDS, sort_keys=False, allow_unicode=True)
+    text = yaml.safe_dump(fields | THRESHOLDS, sort_keys=False, default_flow_style=None)
     save_text(text, path)
     return path, image, labels, table
 

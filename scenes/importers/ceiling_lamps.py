@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from scenes.apartment import Apartment, Lamp
 from scenes.importers.slicing import Triangles, lowest_above
@@ -84,9 +85,7 @@ def _in_sight(apartment: Apartment, spots: NDArray[np.float64]) -> NDArray[np.bo
     """Which spots (s, s) see each other over free floor within reach."""
     free = free_region(apartment, ROBOT_RADIUS / 2)
     shapely.prepare(free)
-    first, second = np.triu_indices(len(spots), 1)
-    near = np.hypot(*(spots[first] - spots[second]).T) <= REACH
-    first, second = first[near], second[near]
+    first, second = cKDTree(spots).query_pairs(REACH, output_type="ndarray").T
     clear = shapely.covers(free, shapely.linestrings(np.stack([spots[first], spots[second]], 1)))
     sees = np.eye(len(spots), dtype=bool)
     sees[first[clear], second[clear]] = sees[second[clear], first[clear]] = True

@@ -115,10 +115,11 @@ def free_space_apartment(
     floor = Polygon(shell.exterior, [h.exterior for h in kept]) if obstacle_top is None else shell
     parted, told = part_floor(floor, ground.robot_floor, borders, rooms, tolerance)
     sides = shared_sides(parted)
-    blocks = [_surround(shell, wall_thickness)]
     material = None if obstacle_top is None else obstacle_material
-    for hole in kept:
-        blocks.append(Block(polygon=_corners(hole.exterior), top=obstacle_top, material=material))
+    blocks = [
+        _surround(shell, wall_thickness),
+        *(Block(polygon=_corners(h.exterior), top=obstacle_top, material=material) for h in kept),
+    ]
     if lintel_height is not None and lintel_height < ceiling_height:
         blocks.extend(_lintels(sides, floor, wall_thickness, lintel_height))
     apartment = Apartment(

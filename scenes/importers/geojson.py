@@ -225,6 +225,11 @@ class _Layers:
                 f"{self.path}: {label}: a {part.geom_type}; expected a {' or '.join(kinds)}"
             )
 
+    def _need_simple(self, label: str, part: Polygon) -> None:
+        if not part.is_valid:
+            reason = shapely.is_valid_reason(part)
+            raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
+
     def _make(self, label: str, model: type[BaseModel], fields: Mapping[str, Any]) -> Any:
         """An object of a model; unknown fields become notes, bad values an error."""
         unknown = [key for key in fields if key not in model.model_fields]
@@ -257,9 +262,7 @@ class _Layers:
     def _wall(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "LineString", "Polygon")
         if part.geom_type == "Polygon":
-            if not part.is_valid:
-                reason = shapely.is_valid_reason(part)
-                raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
+            self._need_simple(label, part)
             self.wall_shapes.append(part)
             return
         points = shapely.get_coordinates(part).tolist()
@@ -318,6 +321,7 @@ class _Layers:
 
     def _block(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "Polygon")
+        self._need_simple(label, part)
         holes = tuple(_corners(ring) for ring in part.interiors)
         shape = {"polygon": _corners(part.exterior), "holes": holes}
         self.blocks.append(self._make(label, Block, {**fields, **shape}))
@@ -333,6 +337,9 @@ class _Layers:
 
     def _start(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "Point")
+        if self.start is not None:
+            self.notes.append(f"{label}: there is a start already; left out")
+            return
         self.start = self._make(label, Start, {**fields, "position": (part.x, part.y)})
 
 

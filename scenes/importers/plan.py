@@ -14,7 +14,7 @@ touch an element:
 - A room that a robot of 15 cm cannot reach is left out (what was its floor is then
   outside), or gets a door to a neighbour where that is asked for.
 - A drawing without lamps, and without a word on light, gets ceiling lamps.
-- An opening or a fixture that the checks of `scenes.checks` refuse is left out.
+- An opening, a lamp or a fixture that the checks of `scenes.checks` refuse is left out.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from pydantic import ValidationError
 from shapely import Polygon
 
 from scenes.apartment import Apartment, Block, Frame, Point, Room, Start
-from scenes.checks import check
+from scenes.checks import check, check_blocks, check_lamps
 from scenes.errors import SceneError
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanOpening, PlanRoom, free_name
@@ -64,7 +64,7 @@ DOOR = 0.8
 """Width of a door that is added, m."""
 NARROWER, NARROWINGS = 0.05, 4
 """By how much, m, and how often openings become narrower so that they do not overlap."""
-_FAULT = re.compile(r"(passages|windows|furniture)\[(\d+)\][^:]*: (.*)")
+_FAULT = re.compile(r"(passages|windows|furniture|lamps)\[(\d+)\][^:]*: (.*)")
 MOST_ROOMS = 300
 OUTERMOST = 500.0
 """A home has no point further than this from the origin, m."""
@@ -230,13 +230,19 @@ def _shell(
         windows=tuple(openings.windows),
         **fields,
     )
+    if problem := next(check_blocks(apartment), None):
+        raise SceneError(problem)
     return _possible(apartment, openings)
 
 
 def _possible(apartment: Apartment, openings: Openings) -> tuple[Apartment, Openings]:
-    """Without the openings that the checks refuse; those that overlap are narrowed first."""
-    labels = {"passages": openings.passage_labels, "windows": openings.window_labels}
-    for part in (check_shared_openings, check_openings):
+    """Without the openings and lamps that the checks refuse; openings that overlap narrowed."""
+    labels = {
+        "passages": openings.passage_labels,
+        "windows": openings.window_labels,
+        "lamps": [f"lamp {index + 1}" for index in range(len(apartment.lamps))],
+    }
+    for part in (check_shared_openings, check_openings, check_lamps):
         tried: Counter[str] = Counter()
         while problem := next(part(apartment), None):
             fault = _FAULT.match(problem)
@@ -270,7 +276,7 @@ def _without(
     Raises
     ------
     SceneError
-        If it is neither an opening nor a piece.
+        If it is no opening, lamp or piece.
     """
     fault = _FAULT.match(problem)
     if fault is None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from scenes.apartment import Apartment, Piece
+from scenes.checks import piece_faults
 from scenes.errors import SceneError
 from scenes.importers.drawing import PlanFixture
 from scenes.passages import ROBOT_RADIUS
@@ -70,8 +71,9 @@ def furnished(
         if fixture.kind not in KINDS:
             raise SceneError(f"{fixture.label}: {fixture.kind!r} is no kind of furniture")
         piece = fixture.piece or _piece(fixture, floor)
-        if isinstance(piece, str):
-            notes.append(f"{fixture.label}: {piece}; left out")
+        fault = piece if isinstance(piece, str) else next(piece_faults(piece), None)
+        if fault is not None or isinstance(piece, str):
+            notes.append(f"{fixture.label}: {fault}; left out")
             continue
         left = free.difference(_in_the_way(piece))
         if not all(reached(left, start, rooms)):

@@ -274,10 +274,11 @@ def slab_obstacles(triangles: Triangles, low: float, high: float) -> shapely.Geo
     starts = np.flatnonzero(np.diff(inside.owner[order], prepend=-1))
     outlines = [shapely.union_all(pieces[group]) for group in np.split(order, starts[1:])]
     owners = inside.owner[order[starts]]
+    grouped = triangles[np.argsort(triangles.owner, kind="stable")]
     filled = [
         hole
         for owner, outline in zip(owners, outlines, strict=True)
-        for hole in _insides(triangles, int(owner), outline, (low + high) / 2)
+        for hole in _insides(grouped, int(owner), outline, (low + high) / 2)
     ]
     return shapely.union_all([*outlines, *filled])
 
@@ -318,13 +319,13 @@ def _painted(pieces: NDArray[np.object_]) -> NDArray[np.object_]:
 def _insides(
     triangles: Triangles, owner: int, outline: shapely.Geometry, height: float
 ) -> Iterator[Polygon]:
-    """What an object's outline encloses and is its inside."""
+    """What an object's outline encloses and is its inside; ``triangles`` are in order of owner."""
     shells = [Polygon(part.exterior) for part in polygons(outline)]
     holes = polygons(shapely.union_all(shells).difference(outline))
     holes = [hole for hole in holes if hole.buffer(-ROOM_WIDTH / 2).is_empty]
     if not holes:
         return
-    own = triangles[triangles.owner == owner]
+    own = triangles[np.arange(*np.searchsorted(triangles.owner, [owner, owner + 1]))]
     spots = shapely.get_coordinates(shapely.point_on_surface(holes))
     point, z, triangle = rays(own, spots)
     outward = np.sign(own.normals[triangle, 2]) * np.sign(z - height)

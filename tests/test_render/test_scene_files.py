@@ -59,6 +59,14 @@ def test_blender_files_are_walked_to_their_end(tmp_path: Path, wide: bool) -> No
         inspect_scene(write(tmp_path / "z.blend", gzip.compress(whole)[:-20]))
 
 
+def test_a_blender_file_without_end_is_refused(tmp_path: Path) -> None:
+    head = b"BLENDER17-01v0500"
+    for code in (b"DATA", b"LI\0\0"):
+        huge = head + struct.pack("<4siQqq", code, 0, 1, 1 << 60, 1)
+        with pytest.raises(SceneError, match="cut short or damaged"):
+            inspect_scene(write(tmp_path / "a.blend", huge))
+
+
 @pytest.mark.parametrize("wide", [True, False])
 def test_a_blender_file_that_links_another_is_refused(tmp_path: Path, wide: bool) -> None:
     library = b"\0" * 40 + b"LIchairs.blend" + b"\0" * 60 + b"//../chairs.blend\0"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -18,7 +19,6 @@ import trimesh
 from scene_makers import read_contents
 from shapely import Polygon, affinity
 
-import render.task
 from dataset import RoomsegError
 from dataset.camera import FisheyeCamera
 from render import Preset
@@ -366,11 +366,18 @@ def test_a_sound_head_with_nonsense_behind_it_is_one_line(foreign: Path, tmp_pat
     assert "Blender cannot read it" in refused(tmp_path / "odd.glb", tmp_path)
 
 
-def test_a_child_that_dies_is_one_line(
-    foreign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("death", "status"), [("raise RuntimeError('no')", 1), ("os.kill(os.getpid(), 9)", -9)]
+)
+def test_a_child_that_dies_is_one_line_and_leaves_nothing(
+    foreign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, death: str, status: int
 ) -> None:
-    (tmp_path / "bpy.py").write_text("raise RuntimeError('no')")
+    (tmp_path / "bpy.py").write_text(f"import os, tempfile\ntempfile.mkstemp()\n{death}")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    assert render.task  # the child of this module is what fails
-    with pytest.raises(RoomsegError, match="the process ended with 1"):
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    with pytest.raises(RoomsegError, match=f"the process ended with {status}"):
         read_scene(foreign / "scenes" / "house.blend", tmp_path)
+    assert not list(folder.iterdir())
+    assert sorted(item.suffix for item in tmp_path.iterdir()) == ["", ".py"]

@@ -173,6 +173,21 @@ def test_faults_of_export_are_one_line(folder, capsys, arguments, line):
     assert err == [f"roomseg: error: {line}; see `roomseg export --help`"]
 
 
+def test_numbers_that_are_none_are_one_line(folder, capsys):
+    for option in ("--scale", "--ceiling"):
+        code, _, err = said(capsys, "import", "grid.png", "-o", "a.json", option, "nan")
+        assert (code, len(err)) == (2, 1)
+        assert "nan is not a finite number" in err[0]
+    code, _, err = said(capsys, "export", "sim4", "-o", "a.yaml", "--resolution", "nan")
+    assert (code, len(err)) == (2, 1)
+
+
+def test_a_map_of_an_odd_name_comes_back(folder, capsys):
+    name = "my #1: home.yaml"
+    assert said(capsys, "export", "demo1", "-o", name)[0] == 0
+    assert said(capsys, "import", name, "-o", "back.json")[0] == 0
+
+
 def test_an_imported_map_with_borders_can_be_cleaned(folder, capsys):
     cells = np.zeros((44, 84), dtype=np.uint8)
     cells[2:42, 2:40] = cells[2:42, 44:82] = cells[12:30, 40:44] = 254

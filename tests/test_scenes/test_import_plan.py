@@ -326,7 +326,10 @@ def fails(reader, path, **options):
     return line
 
 
-@pytest.mark.parametrize("reader", [read_geojson, read_cubicasa, read_houseexpo, read_r2v])
+READERS = [read_geojson, read_cubicasa, read_houseexpo, read_r2v, read_resplan]
+
+
+@pytest.mark.parametrize("reader", READERS)
 def test_nonsense_is_one_line(tmp_path, reader):
     path = tmp_path / "nonsense"
     assert "cannot be read" in fails(reader, path, scale=0.01)
@@ -390,6 +393,10 @@ def test_a_scale_that_makes_a_home_of_kilometres():
 BAD_FEATURES = {
     "Self-intersection": feature("room", "Polygon", [[[0, 0], [4, 4], [4, 0], [0, 4], [0, 0]]]),
     "a Point; expected a Polygon": feature("room", "Point", [0, 0]),
+    "coordinates: 0": feature("room", "Polygon", {"0": 1}),
+    "polygon.0.0: 5000.0": feature(
+        "room", "Polygon", [box(0, 0, 4, 4)[0], [[5000, 0], [5001, 0], [5000, 1], [5000, 0]]]
+    ),
     "geometry 'Blob'": feature("room", "Blob", [0, 0]),
     "coordinates: ": feature("room", "Polygon", [[["a", 0], [1, 1], [2, 2]]]),
     "kind: 'attic'": feature("room", "Polygon", box(0, 0, 4, 4), kind="attic"),
@@ -403,6 +410,36 @@ def test_bad_features_are_named(tmp_path, said):
     line = fails(read_geojson, collection(tmp_path, good, BAD_FEATURES[said]))
     assert "features[1]" in line
     assert said in line
+
+
+def test_furniture_of_no_kind_is_told(tmp_path):
+    room = feature("room", "Polygon", box(0, 0, 4, 4))
+    odd = [feature("furniture", "Point", [1, 1], kind=kind) for kind in ("throne", {}, None)]
+    notes = read_geojson(collection(tmp_path, room, *odd)).notes
+    assert [note.split(": ")[1] for note in notes] == [
+        f"{kind} is no kind of furniture; left out" for kind in ("'throne'", "{}", "None")
+    ]
+
+
+def test_a_collection_without_a_room(tmp_path):
+    path = collection(tmp_path, feature("wall", "LineString", [[0, 0], [4, 0]]))
+    assert "no room in it" in fails(read_geojson, path)
+
+
+def test_plans_larger_than_any_home(tmp_path):
+    boxes = [box(x % 20 * 4, x // 20 * 4, x % 20 * 4 + 3, x // 20 * 4 + 3) for x in range(301)]
+    path = collection(tmp_path, *(feature("room", "Polygon", ring) for ring in boxes))
+    assert fails(read_geojson, path).endswith("301 rooms; expected a home of at most 300")
+    angles = np.linspace(0.0, 6.28, 3001)
+    path.write_text(f'{{"verts": {np.column_stack([np.cos(angles), np.sin(angles)]).tolist()}}}')
+    assert "verts: 3001 corners; expected at most 3000" in fails(read_houseexpo, path)
+
+
+@pytest.mark.parametrize("texts", ["7", "true", "[[1, [2]]]", '{"a": 1}', "[null]"])
+def test_layers_of_resplan_that_are_no_texts(tmp_path, texts):
+    path = tmp_path / "plan.json"
+    path.write_text(f'{{"living": {texts}}}')
+    assert "living[0]: " in fails(read_resplan, path, scale=1.0)
 
 
 def test_an_svg_with_an_external_entity_reads_nothing(tmp_path):

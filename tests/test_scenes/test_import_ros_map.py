@@ -189,6 +189,28 @@ def test_rooms_parted_by_dark_lines_as_in_research_data(tmp_path):
     assert free_floor(apartment).area == pytest.approx((cells == 255).sum() * CELL**2, abs=1e-6)
 
 
+def test_a_picture_with_as_many_colours_as_pixels(tmp_path):
+    # 600 x 600 cells: the left half one room, every cell of the right half a colour of its own.
+    size = 600
+    cells = np.zeros((size, size), dtype=np.uint8)
+    cells[1:-1, 1:-1] = 254
+    colour = np.arange(size * size).reshape(size, size) + 1
+    labels = np.stack([colour % 256, colour // 256 % 256, colour // 65536], axis=2)
+    labels[:, : size // 2] = (0, 0, 255)
+    cv2.imwrite(str(tmp_path / "rooms.png"), labels.astype(np.uint8))
+    result = read_ros_map(write_map(tmp_path, cells), labels=tmp_path / "rooms.png")
+    assert list(check(result.apartment)) == []
+    areas = [Polygon(room.polygon).area for room in result.apartment.rooms]
+    assert areas == pytest.approx([299 * 598 * CELL**2] * 2)
+    assert "1 parts of the floor without a label: rooms of their own" in result.notes[-1]
+
+
+def test_rooms_of_a_map_have_lamps(tmp_path):
+    apartment = read_ros_map(write_map(tmp_path, two_rooms())).apartment
+    assert apartment.lighting.source == "interior"
+    assert len(apartment.lamps) >= len(apartment.rooms)
+
+
 def test_labels_that_cannot_be_used(tmp_path):
     path = write_map(tmp_path, two_rooms())
     rooms, table = tmp_path / "rooms.png", tmp_path / "rooms.csv"
