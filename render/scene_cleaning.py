@@ -86,7 +86,7 @@ def all_data(bpy: Any) -> Iterator[tuple[str, Any]]:
 
 def remove_scripts(bpy: Any) -> list[str]:
     """Take out what could run or read files; returns what that was, one line each."""
-    notes = []
+    notes: list[str] = []
     bpy.data.batch_remove(list(bpy.data.texts))
     for label, block in list(all_data(bpy)):
         notes.extend(_stop(label, block))

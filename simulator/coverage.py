@@ -33,6 +33,9 @@ __all__ = ["CoverageStrategy"]
 
 Floats = NDArray[np.float64]
 
+_SECOND_CHANCES = 30
+"""So often in a run a place is not given up because the robot was stuck on its way."""
+
 
 @dataclass(frozen=True)
 class _Neighbour:
@@ -64,6 +67,7 @@ class CoverageStrategy:
         self._tried: list[Floats] = []
         self._tried_at_last: list[Floats] = []
         self._parts = 0
+        self._second_chances = _SECOND_CHANCES
 
     def run(self) -> None:
         """Cover everything that can be reached, then return to the base."""
@@ -242,7 +246,11 @@ class CoverageStrategy:
             return True
         if float(np.hypot(*(point - pilot.position))) < 0.1:
             return True
-        self._tried.append(point)
+        if pilot.was_stuck and self._second_chances > 0:
+            # The place is not to blame, and is worth another try from elsewhere.
+            self._second_chances -= 1
+        else:
+            self._tried.append(point)
         return False
 
     def _give_up_if_uncovered(self, point: Floats) -> None:

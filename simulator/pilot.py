@@ -33,6 +33,8 @@ _STUCK = 0.1
 """A journey that ended so near to its beginning, m, got stuck, ..."""
 _FORGET = 0.4
 """... and the contacts so far around, m, are then forgotten."""
+_RETRACE = 0.05
+"""Spacing of the points of the way back, m."""
 _TOLERANCE = 0.03
 """The map may place an obstacle that much too near, m: noise and cell size."""
 
@@ -52,11 +54,18 @@ def direction(heading: float) -> Floats:
 
 
 class Pilot:
-    """Drives the vehicle by its estimate and its own map."""
+    """Drives the vehicle by its estimate and its own map.
+
+    Attributes
+    ----------
+    was_stuck : bool
+        Whether the last journey had to `escape` from somewhere.
+    """
 
     def __init__(self, vehicle: Vehicle) -> None:
         self.vehicle = vehicle
         self.robot = vehicle.robot
+        self.was_stuck = False
 
     @property
     def position(self) -> Floats:
@@ -145,17 +154,20 @@ class Pilot:
             if self._step(-0.5 * self.robot.speed, 0.0):
                 return
 
-    def drive_to(self, point: Floats) -> bool:
-        """Turn towards a point (2,), m, and drive there; False if something is in the way."""
-        gap = point - self.position
-        length = float(np.hypot(*gap))
-        if length < 0.015:
-            return True
-        heading = float(np.arctan2(gap[1], gap[0]))
-        self.turn_to(heading)
-        # More than a graze is for a new plan: what was felt is now on the grid.
-        if self.follow(heading, length, careful=False, dodge=0.03) is End.CONTACT:
-            self.back_off()
+    def drive_to(self, point: Floats, tries: int = 1) -> bool:
+        """Turn towards a point (2,), m, and drive there; False if something is in the way.
+
+        With more ``tries`` the robot also works its way past more than a graze.
+        """
+        for _ in range(tries):
+            gap = point - self.position
+            length = float(np.hypot(*gap))
+            if length < 0.015:
+                return True
+            heading = float(np.arctan2(gap[1], gap[0]))
+            self.turn_to(heading)
+            if self.follow(heading, length, careful=False, dodge=0.03 * tries) is End.CONTACT:
+                self.back_off()
         return float(np.hypot(*(point - self.position))) < 0.05
 
     def drive_around(self, point: Floats) -> bool:
@@ -207,6 +219,7 @@ class Pilot:
     def travel(self, node: int) -> bool:
         """Drive to a node by the shortest path over the map (Dijkstra); False if that fails."""
         graph = self.vehicle.graph
+        self.was_stuck = False
         for attempt in range(_ATTEMPTS):
             route = self._route(node)
             if not route:
@@ -218,27 +231,42 @@ class Pilot:
             if all(self.drive_to(point) or self.drive_around(point) for point in points):
                 return True
             if float(np.hypot(*(self.position - begin))) < _STUCK:
+                self.was_stuck = True
                 self.escape()
             else:
                 self.back_off()
         return False
 
     def escape(self) -> bool:
-        """Leave a place from which nothing can be reached, whichever way is free.
+        """Leave a place from which nothing can be reached: the way it came, or any way.
 
         What was felt there is forgotten: put into the map a little wrong, it may
         bar the way out. False if the robot cannot get away.
         """
         self.vehicle.grid.forget_contacts(self.position, _FORGET)
         begin = self.position.copy()
+        for point in self._way_back(begin):
+            if not self.drive_to(point, tries=3):
+                break
         behind = self.vehicle.estimate[2] + self.vehicle.contact + np.pi
         for turn in (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0):
+            if float(np.hypot(*(self.position - begin))) >= _STUCK:
+                return True
             heading = wrap(behind + turn * np.pi)
             self.turn_to(heading)
             self.follow(heading, 2.0 * _STUCK, careful=False)
-            if float(np.hypot(*(self.position - begin))) >= _STUCK:
-                return True
-        return False
+        return float(np.hypot(*(self.position - begin))) >= _STUCK
+
+    def _way_back(self, begin: Floats) -> Floats:
+        """The way that led here, backwards and without its loops, about 1 m of it, (k, 2) m."""
+        way = [begin]
+        for point in self.vehicle.trail()[::-1]:
+            gap = np.array(way) - point
+            if (gap * gap).sum(axis=1).min() > _RETRACE**2:
+                way.append(point)
+                if len(way) * _RETRACE > 1.0:
+                    break
+        return np.array(way[1:]).reshape(-1, 2)
 
     def _route(self, goal: int) -> list[int]:
         """Nodes from the current one to ``goal``; empty if there is no path."""

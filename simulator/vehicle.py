@@ -99,8 +99,8 @@ class Vehicle:
         return Path(rows[:, 0], rows[:, 1:4], rows[:, 4:7], rows[:, 7].astype(np.int32))
 
     def trail(self) -> Floats:
-        """The estimates along the last 20 m or so of the way, shape (t, 2), m."""
-        return np.array([row[4:6] for row in self._rows[-1000:]])
+        """The estimates along the last few minutes of the way, shape (t, 2), m."""
+        return np.array([row[4:6] for row in self._rows[-4000:]])
 
     def _roll(self, left: float, right: float) -> tuple[float, float | None]:
         """Move the true body; the share of the step that was free and the contact's bearing."""

@@ -39,6 +39,8 @@ __all__ = ["read_cubicasa"]
 Floats = NDArray[np.float64]
 
 FORMAT = "a CubiCasa5k SVG"
+FARTHEST = 1e6
+"""Coordinates of a drawing are at most this large, pixels."""
 DOOR_WIDTH = 0.8
 """At the right scale half of the doors are narrower, m."""
 
@@ -243,7 +245,9 @@ class _Groups:
         if first == "Space" and not shape.is_valid:
             reason = shapely.is_valid_reason(shape)
             raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
-        shape = shape if shape.is_valid else shape.convex_hull
+        if not shape.is_valid:
+            shape = shape.convex_hull
+            self.notes.append(f"{label}: its outline crosses itself; the hull around it is used")
         return shape if shape.geom_type == "Polygon" and shape.area > 0.0 else None
 
     def _fixture(self, label: str, group: Element, matrix: Floats) -> Floats | None:
@@ -271,7 +275,13 @@ class _Groups:
                 f"{self.path}: {label}: points {outline!r:.40}; expected at least three x,y"
             )
         points = np.column_stack([np.reshape(numbers, (-1, 2)), np.ones(len(numbers) // 2)])
-        moved: Floats = (points @ matrix.T)[:, :2]
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved: Floats = (points @ matrix.T)[:, :2]
+        if not (np.abs(moved) <= FARTHEST).all():
+            raise SceneError(
+                f"{self.path}: {label}: points {outline!r:.40}; expected pixels within "
+                f"{FARTHEST:g} of the origin"
+            )
         return moved
 
     def _transform(self, group: Element) -> Floats:

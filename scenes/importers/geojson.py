@@ -249,6 +249,7 @@ class _Layers:
 
     def _room(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:
         self._need(label, part, "Polygon")
+        self._need_simple(label, part)
         named = str(fields.pop("name", None) or fields.get("kind") or "room")
         stand_in = {"name": "room", "polygon": ((0, 0), (1, 0), (0, 1))}
         room = self._make(label, Room, {**fields, **stand_in})

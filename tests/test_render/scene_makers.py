@@ -170,6 +170,13 @@ def add_oddities(bpy: Any, folder: Path) -> None:
         node.image = image
         tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs[0])
 
+    (folder / "tiles.1001.png").write_bytes(b"a picture")
+    (folder / "tiles.1002.png").symlink_to(folder.parent / "secret.png")
+    tiles = bpy.data.images.new("tiles", 4, 4)
+    tiles.source, tiles.filepath = "TILED", str(folder / "tiles.<UDIM>.png")
+    tiles.tiles.new(1002)
+    tree.nodes.new("ShaderNodeTexImage").image = tiles
+
 
 def add_scripts(bpy: Any, marker: Path) -> None:
     """Three ways to run a script when a file is opened, evaluated or rendered."""

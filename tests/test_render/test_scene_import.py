@@ -190,6 +190,7 @@ def test_what_cannot_be_used_is_said(foreign: Path, tmp_path: Path) -> None:
         "volume 'smoke'": "left out",
         "image 'gone'": "is missing",
         "image 'outside'": "outside of the scene's folder",
+        "image 'tiles'": "outside of the scene's folder",
     }.items():
         assert any(line.startswith(name) and why in line for line in notes.splitlines()), notes
     assert is_near(free_of(found.apartment), house_floor(), CENTIMETRE)

@@ -394,7 +394,7 @@ BAD_FEATURES = {
     "Self-intersection": feature("room", "Polygon", [[[0, 0], [4, 4], [4, 0], [0, 4], [0, 0]]]),
     "a Point; expected a Polygon": feature("room", "Point", [0, 0]),
     "coordinates: 0": feature("room", "Polygon", {"0": 1}),
-    "polygon.0.0: 5000.0": feature(
+    "Hole lies outside shell": feature(
         "room", "Polygon", [box(0, 0, 4, 4)[0], [[5000, 0], [5001, 0], [5000, 1], [5000, 0]]]
     ),
     "geometry 'Blob'": feature("room", "Blob", [0, 0]),
@@ -419,6 +419,55 @@ def test_furniture_of_no_kind_is_told(tmp_path):
     assert [note.split(": ")[1] for note in notes] == [
         f"{kind} is no kind of furniture; left out" for kind in ("'throne'", "{}", "None")
     ]
+
+
+IMPOSSIBLE = {
+    "lamp 1: 3 m in 'a'; expected 0 to 2.49 m under its ceiling; left out": feature(
+        "lamp", "Point", [1, 1], height=3.0
+    ),
+    "lamp 1: (9, 9) is in no room; expected inside one; left out": feature("lamp", "Point", [9, 9]),
+    "features[2] (start): there is a start already; left out": feature("start", "Point", [1, 1]),
+    "features[2] (furniture) 'bed': size: (0.001, 0.001, 0.001) is too small for a bed": feature(
+        "furniture", "Point", [1, 1], kind="bed", size=[0.001, 0.001, 0.001]
+    ),
+    "features[2] (furniture) 'bed': materials: a bed has no slot 'nope'; expected": feature(
+        "furniture", "Point", [1, 1], kind="bed", materials={"nope": "oak"}
+    ),
+}
+
+
+@pytest.mark.parametrize("said", IMPOSSIBLE)
+def test_what_no_apartment_can_have_is_left_out_and_told(tmp_path, said):
+    room = feature("room", "Polygon", box(0, 0, 4, 4), name="a")
+    start = feature("start", "Point", [2, 2])
+    result = read_geojson(collection(tmp_path, room, start, IMPOSSIBLE[said]))
+    assert list(check(result.apartment)) == []
+    assert result.apartment.furniture == ()
+    assert result.apartment.start.position == (2, 2)
+    assert result.notes[0].startswith(said)
+
+
+CROSSING = [[1, 1], [2, 2], [2, 1], [1, 2], [1, 1]]
+
+
+@pytest.mark.parametrize(
+    ("odd", "said"),
+    [
+        (feature("block", "Polygon", [CROSSING]), "features[1] (block): Self-intersection"),
+        (feature("wall", "Polygon", [CROSSING]), "features[1] (wall): Self-intersection"),
+        (
+            feature("room", "Polygon", [box(0, 0, 4, 4)[0], CROSSING]),
+            "features[1] (room): Self-intersection",
+        ),
+        (
+            feature("block", "Polygon", box(1, 1, 2, 2), bottom=1, top=0.5),
+            "blocks[0].top: 0.5 m; expected above the bottom at 1 m",
+        ),
+    ],
+)
+def test_impossible_solids_are_refused(tmp_path, odd, said):
+    good = feature("room", "Polygon", box(0, 5, 4, 9))
+    assert said in fails(read_geojson, collection(tmp_path, good, odd))
 
 
 def test_a_collection_without_a_room(tmp_path):
@@ -453,6 +502,15 @@ def test_an_svg_with_an_external_entity_reads_nothing(tmp_path):
     assert "declares entities" in fails(read_cubicasa, path, scale=0.01)
     path.write_text('<svg><g class="Space Bath"><polygon points="0,0 1,1"/></g></svg>')
     assert "Space Bath 1: points '0,0 1,1'" in fails(read_cubicasa, path, scale=0.01)
+
+
+def test_an_svg_far_out_of_bounds(tmp_path):
+    path = tmp_path / "plan.svg"
+    path.write_text(
+        '<svg><g transform="scale(1e300)"><g class="Space Bath">'
+        '<polygon points="0,0 9e200,0 9,9"/></g></g></svg>'
+    )
+    assert "Space Bath 1: points '0,0 9e200,0 9,9'" in fails(read_cubicasa, path, scale=0.01)
 
 
 def test_self_crossing_outlines(tmp_path):
