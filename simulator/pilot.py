@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum, auto
 
 import numpy as np
@@ -35,6 +36,10 @@ _FORGET = 0.4
 """... and the contacts so far around, m, are then forgotten."""
 _RETRACE = 0.05
 """Spacing of the points of the way back, m."""
+_PASSED = 0.1
+"""So far behind, m, a contact says nothing about the way ahead."""
+_NARROWEST = 0.003
+"""Contacts on both sides so near to each other, m, leave no gap."""
 _TOLERANCE = 0.03
 """The map may place an obstacle that much too near, m: noise and cell size."""
 
@@ -51,6 +56,39 @@ class End(Enum):
 def direction(heading: float) -> Floats:
     """Unit vector of a heading, shape (2,)."""
     return np.array([np.cos(heading), np.sin(heading)])
+
+
+@dataclass
+class _Aside:
+    """How far a line is moved aside after contacts, to the left, m.
+
+    One contact moves it a step away; between contacts on either side it is halved,
+    so that the robot finds through a gap that is hardly wider than its body.
+    """
+
+    limit: float
+    offset: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    last: float = -math.inf
+
+    def move(self, progress: float, cross: float, on_left: bool) -> bool:
+        """Take in a contact at ``progress`` along and ``cross`` beside the line, m.
+
+        False if the line cannot be moved further.
+        """
+        if progress > self.last + _PASSED:
+            self.low, self.high = -math.inf, math.inf
+        self.last = progress
+        if on_left:
+            self.high = min(self.high, cross)
+        else:
+            self.low = max(self.low, cross)
+        if math.isfinite(self.low + self.high):
+            self.offset = 0.5 * (self.low + self.high)
+        else:
+            self.offset = cross + (-_SIDESTEP if on_left else _SIDESTEP)
+        return abs(self.offset) <= self.limit and self.high - self.low > _NARROWEST
 
 
 class Pilot:
@@ -116,37 +154,29 @@ class Pilot:
         """
         line = (self.position if start is None else start).copy()
         along_x, along_y = math.cos(heading), math.sin(heading)
+        aside = _Aside(dodge)
         while True:
             x, y, _ = (self.vehicle.estimate - np.array([*line, 0.0])).tolist()
-            remaining = length - (x * along_x + y * along_y)
-            if remaining < 0.004:
+            progress, cross = x * along_x + y * along_y, along_x * y - along_y * x
+            if length - progress < 0.004:
                 return End.ARRIVED
             if careful and self._is_blocked_ahead():
                 return End.BLOCKED
-            cross = along_x * y - along_y * x
-            if self._step(*self._steering(heading, cross, remaining)):
-                if dodge < _SIDESTEP or not self._is_glancing(heading):
+            if self._step(*self._steering(heading, cross - aside.offset, length - progress)):
+                bearing = wrap(self.vehicle.estimate[2] + self.vehicle.contact - heading)
+                if abs(bearing) <= _GLANCING or not aside.move(progress, cross, bearing > 0.0):
                     return End.CONTACT
-                dodge -= _SIDESTEP
-                line += self._sidestep(heading)
+                self._sidestep(heading, aside.offset - cross)
             if stop is not None and stop():
                 return End.STOPPED
 
-    def _is_glancing(self, heading: float) -> bool:
-        """Whether the last contact was not straight ahead."""
-        return abs(wrap(self.vehicle.estimate[2] + self.vehicle.contact - heading)) > _GLANCING
-
-    def _sidestep(self, heading: float) -> Floats:
-        """Back off and step aside, away from the last contact; the step, shape (2,), m."""
-        bearing = wrap(self.vehicle.estimate[2] + self.vehicle.contact - heading)
-        aside = heading - np.copysign(0.5 * np.pi, bearing)
+    def _sidestep(self, heading: float, distance: float) -> None:
+        """Back off and step aside, to the left if ``distance`` is positive, m."""
+        aside = heading + math.copysign(0.5 * math.pi, distance)
         self.back_off(_SIDESTEP)
         self.turn_to(aside)
-        begin = self.position.copy()
-        self.follow(aside, _SIDESTEP, careful=False)
-        step = self.position - begin
+        self.follow(aside, abs(distance), careful=False)
         self.turn_to(heading)
-        return np.asarray(step)
 
     def back_off(self, distance: float = 0.03) -> None:
         """Reverse a little, so that the next turn is free."""
