@@ -38,6 +38,8 @@ _RETRACE = 0.05
 """Spacing of the points of the way back, m."""
 _PASSED = 0.1
 """So far behind, m, a contact says nothing about the way ahead."""
+_MOST_MOVES = 12
+"""A line that has been moved aside so often is given up."""
 _NARROWEST = 0.003
 """Contacts on both sides so near to each other, m, leave no gap."""
 _TOLERANCE = 0.03
@@ -71,12 +73,14 @@ class _Aside:
     low: float = -math.inf
     high: float = math.inf
     last: float = -math.inf
+    moves: int = 0
 
     def move(self, progress: float, cross: float, on_left: bool) -> bool:
         """Take in a contact at ``progress`` along and ``cross`` beside the line, m.
 
         False if the line cannot be moved further.
         """
+        self.moves += 1
         if progress > self.last + _PASSED:
             self.low, self.high = -math.inf, math.inf
         self.last = progress
@@ -88,7 +92,8 @@ class _Aside:
             self.offset = 0.5 * (self.low + self.high)
         else:
             self.offset = cross + (-_SIDESTEP if on_left else _SIDESTEP)
-        return abs(self.offset) <= self.limit and self.high - self.low > _NARROWEST
+        possible = abs(self.offset) <= self.limit and self.high - self.low > _NARROWEST
+        return possible and self.moves <= _MOST_MOVES
 
 
 class Pilot:
