@@ -26,6 +26,7 @@ __all__ = [
     "blocked_points",
     "erase",
     "free_steps",
+    "hit",
     "is_blocked_ahead",
     "is_clear",
     "pass_beams",
@@ -104,6 +105,17 @@ def pass_beams(cells: Cells, pose: Floats, angles: Floats, reach: Floats) -> Non
                 if cells.evidence[i, j] <= HIGH:
                     cells.evidence[i, j] = max(cells.evidence[i, j] - PASS, LOW)
                 last = (i, j)
+
+
+@compiled
+def hit(cells: Cells, pose: Floats, angles: Floats, ranges: Floats) -> None:
+    """Enter the beams' spots; ``nan``: none. What was felt stays more than what is seen."""
+    for k in range(len(angles)):
+        if not math.isnan(ranges[k]):
+            x = pose[0] + ranges[k] * math.cos(angles[k])
+            i, j = cell_at(cells, x, pose[1] + ranges[k] * math.sin(angles[k]))
+            if cells.evidence[i, j] <= HIGH:
+                cells.evidence[i, j] = min(max(cells.evidence[i, j], 0) + HIT, HIGH)
 
 
 @compiled

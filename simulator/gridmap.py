@@ -57,18 +57,10 @@ class GridMap:
 
     def add_scan(self, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
         """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m)."""
-        hit = np.isfinite(ranges)
-        reach = np.where(hit, ranges - _SHY, free)
-        self._hold(pose[:2], max(1.0, float(reach.max())) + _MARGIN)
+        self._hold(pose, max(1.0, free, float(np.nanmax(ranges, initial=0.0))) + _MARGIN)
+        reach = np.where(np.isfinite(ranges), ranges - _SHY, free)
         gridcells.pass_beams(self._cells, pose, angles, reach)
-        direction = np.stack([np.cos(angles[hit]), np.sin(angles[hit])], axis=1)
-        x, y = self.cells(pose[:2] + ranges[hit, None] * direction).T
-        counted = np.maximum(self.evidence[x, y], 0) + gridcells.HIT
-        # What was felt stays more than what was seen.
-        felt = self.evidence[x, y] > gridcells.HIGH
-        self.evidence[x, y] = np.where(
-            felt, self.evidence[x, y], np.minimum(counted, gridcells.HIGH)
-        )
+        gridcells.hit(self._cells, pose, angles, ranges)
 
     def add_contact(self, pose: Floats, bearing: float, radius: float) -> None:
         """Enter a bumper contact at ``bearing`` rad from the heading."""
@@ -85,7 +77,7 @@ class GridMap:
 
     def add_body(self, pose: Floats, radius: float) -> None:
         """The body stands here: its disc is seen and, but for its rim, free."""
-        self._hold(pose[:2], 1.0 + _MARGIN)
+        self._hold(pose, 1.0 + _MARGIN)
         gridcells.stand(self._cells, pose, radius - _RIM)
 
     def blocked_points(self, low: Floats, high: Floats, margin: float) -> Floats:
@@ -165,9 +157,11 @@ class GridMap:
 
     def _hold(self, point: Floats, margin: float) -> None:
         """Grow until everything within ``margin`` m of ``point`` is on the grid."""
-        short = (self.corner - (point - margin)) / CELL
-        over = (point + margin - self.corner) / CELL - self.seen.shape
-        if max(*short, *over) >= 0.0:
+        low = [(p - margin - c) / CELL for p, c in zip(point[:2], self.corner, strict=True)]
+        high = [(p + margin - c) / CELL for p, c in zip(point[:2], self.corner, strict=True)]
+        rows, columns = self.seen.shape
+        if min(low) <= 0.0 or high[0] >= rows or high[1] >= columns:
+            short, over = -np.array(low), np.array(high) - self.seen.shape
             before = _BLOCK * np.maximum(np.floor(short / _BLOCK) + 1, 0).astype(np.int64)
             after = _BLOCK * np.maximum(np.floor(over / _BLOCK) + 1, 0).astype(np.int64)
             pads = tuple(zip(before.tolist(), after.tolist(), strict=True))

@@ -177,17 +177,39 @@ def measure(spots: Spots, spec: SensorSpec, rng: np.random.Generator) -> Floats:
         Measured range, m; ``nan`` where no spot was found.
     """
     n = len(spots.range)
-    noise = rng.standard_normal(n)
-    chance = rng.random((3, n))
-    near = np.minimum(spots.range, spec.maximum_range)
-    cosine = np.maximum(spots.cosine, 0.05)
-    spread = spec.range_noise + spec.range_noise_quadratic * near**2
-    spread += spec.range_noise_slant * np.sqrt(1.0 / cosine**2 - 1.0)
-    measured = near + noise * spread
-    # 1 where the spot is as dim as one can be: on the least reflectance, squarely, at the limit.
-    dimness = spec.least_reflectance * (near / spec.maximum_range) ** 2
-    dimness /= cosine * np.maximum(spots.reflectance, 1e-3)
-    seen = (spots.range <= spec.maximum_range) & (measured <= spec.maximum_range)
-    seen &= chance[0] < (1.0 - spec.dropout) * (1.0 - dimness)
-    wrong = (0.15 + 0.85 * chance[2]) * spec.maximum_range
-    return np.where(chance[1] < spec.false_rate, wrong, np.where(seen, measured, np.nan))
+    noise, chance = rng.standard_normal(n), rng.random((3, n))
+    return _measured(spots, _Look(*(getattr(spec, name) for name in _Look._fields)), noise, chance)
+
+
+class _Look(NamedTuple):
+    """The settings of `SensorSpec` that make a measurement."""
+
+    maximum_range: float
+    range_noise: float
+    range_noise_quadratic: float
+    range_noise_slant: float
+    dropout: float
+    least_reflectance: float
+    false_rate: float
+
+
+@compiled
+def _measured(spots: Spots, look: _Look, noise: Floats, chance: Floats) -> Floats:
+    """One measurement of each beam from standard normal and uniform (3, n) draws."""
+    measured = np.full(len(noise), np.nan)
+    for k in range(len(noise)):
+        true, cosine = spots.range[k], max(spots.cosine[k], 0.05)
+        if true <= look.maximum_range:
+            spread = look.range_noise + look.range_noise_quadratic * true * true
+            spread += look.range_noise_slant * math.sqrt(1.0 / (cosine * cosine) - 1.0)
+            # 1 where a spot is as dim as can be: on the least reflectance, squarely, at the limit.
+            share = true / look.maximum_range
+            dimness = look.least_reflectance * share * share
+            dimness /= cosine * max(spots.reflectance[k], 1e-3)
+            distance = true + noise[k] * spread
+            seen = chance[0, k] < (1.0 - look.dropout) * (1.0 - dimness)
+            if seen and distance <= look.maximum_range:
+                measured[k] = distance
+        if chance[1, k] < look.false_rate:
+            measured[k] = (0.15 + 0.85 * chance[2, k]) * look.maximum_range
+    return measured
