@@ -4,5 +4,13 @@ from simulator.cleaning_run import simulate
 from simulator.laser import SensorSpec
 from simulator.report import CoverageReport, coverage_report
 from simulator.robot import RobotSpec
+from simulator.spec_file import read_specs
 
-__all__ = ["CoverageReport", "RobotSpec", "SensorSpec", "coverage_report", "simulate"]
+__all__ = [
+    "CoverageReport",
+    "RobotSpec",
+    "SensorSpec",
+    "coverage_report",
+    "read_specs",
+    "simulate",
+]

@@ -1,0 +1,89 @@
+"""Robots as TOML files: the settings of `RobotSpec` and `SensorSpec` that differ.
+
+[robot]
+radius = 0.17
+lane_spacing = 0.25
+
+[sensor]
+beams = 3
+bearings_deg = [0.0, 30.0, -30.0]
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+from dataset.errors import FormatError
+from simulator.laser import SensorSpec
+from simulator.robot import RobotSpec
+
+__all__ = ["read_specs"]
+
+Spec = TypeVar("Spec", RobotSpec, SensorSpec)
+
+
+def read_specs(path: str | Path) -> tuple[RobotSpec, SensorSpec]:
+    """Read a robot and its sensors; what the file leaves out has its default.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, is no TOML, or has an unknown or impossible
+        setting; one line.
+    """
+    try:
+        data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
+    except OSError as error:
+        raise FormatError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise FormatError(f"{path}: not a TOML text file: {error}") from error
+    for table in data:
+        if table not in ("robot", "sensor"):
+            raise FormatError(f"{path}: [{table}]: unknown, expected [robot] or [sensor]")
+    robot = _spec(RobotSpec, data.get("robot", {}), f"{path}: robot")
+    return robot, _spec(SensorSpec, data.get("sensor", {}), f"{path}: sensor")
+
+
+def _spec(kind: type[Spec], settings: Any, place: str) -> Spec:
+    """One specification from its table."""
+    if not isinstance(settings, dict):
+        raise FormatError(f"{place}: {settings!r}, expected a table of settings")
+    defaults = {setting.name: setting.default for setting in fields(kind)}
+    given = {}
+    for name, value in settings.items():
+        if name not in defaults:
+            close = difflib.get_close_matches(name, defaults, n=1)
+            hint = f"did you mean {close[0]}" if close else f"expected one of {', '.join(defaults)}"
+            raise FormatError(f"{place}.{name}: unknown setting; {hint}")
+        given[name] = _value(value, defaults[name], f"{place}.{name}")
+    try:
+        return kind(**given)
+    except ValueError as error:
+        raise FormatError(f"{place}.{error}") from error
+
+
+def _value(value: Any, default: Any, place: str) -> Any:
+    """A value of the default's type."""
+    if isinstance(default, bool):
+        if isinstance(value, bool):
+            return value
+        raise FormatError(f"{place}: {value!r}, expected true or false")
+    if default is None:
+        if isinstance(value, list) and all(_is_number(item) for item in value):
+            return tuple(float(item) for item in value)
+        raise FormatError(f"{place}: {value!r}, expected a list of numbers")
+    if isinstance(default, int):
+        if isinstance(value, int) and not isinstance(value, bool):
+            return value
+        raise FormatError(f"{place}: {value!r}, expected a whole number")
+    if _is_number(value):
+        return float(value)
+    raise FormatError(f"{place}: {value!r}, expected a number")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
