@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ __all__ = ["MapGraph"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Nodes = NDArray[np.int64]
 
 
 class MapGraph:
@@ -25,6 +27,7 @@ class MapGraph:
         self._true_pose = np.zeros((256, 5))
         self.part: list[int] = []
         self.lane: list[int] = []
+        self._buckets = _Buckets(np.full(_BUCKETS, -1), np.zeros(256, np.int64))
         self._edges = np.zeros((256, 2), np.int32)
         self._edge_count = 0
         self.visits: list[tuple[float, int]] = []
@@ -69,7 +72,11 @@ class MapGraph:
         if node == len(self._estimate):
             self._estimate = np.concatenate([self._estimate, np.zeros_like(self._estimate)])
             self._true_pose = np.concatenate([self._true_pose, np.zeros_like(self._true_pose)])
+            first, following = self._buckets
+            following = np.concatenate([following, np.zeros_like(following)])
+            self._buckets = _Buckets(first, following)
         self._estimate[node] = estimate
+        _insert(self._estimate, self._buckets, node)
         self._true_pose[node] = true_pose
         self.part.append(part)
         self.lane.append(lane)
@@ -90,6 +97,8 @@ class MapGraph:
 
     def remove_from(self, first: int) -> None:
         """Forget the nodes from ``first`` on."""
+        for node in range(len(self) - 1, first - 1, -1):
+            _remove(self._estimate, self._buckets, node)
         del self.part[first:]
         del self.lane[first:]
         kept = self.edges[self.edges[:, 1] < first]
@@ -100,22 +109,29 @@ class MapGraph:
 
     def visit(self, estimate: Floats, time: float, radius: float) -> None:
         """Record a visit of every node whose neighbourhood the robot now enters."""
-        near = set(_within(self._estimate, len(self), estimate[0], estimate[1], radius).tolist())
+        found = _within(self._estimate, self._buckets, estimate[0], estimate[1], radius)
+        near = set(found.tolist())
         if not near <= self._near:
             self.visits.extend((time, node) for node in sorted(near - self._near))
         self._near = near
 
     def distances(self, points: Floats, running_lane: int = -1) -> Floats:
-        """Distance of points (m, 2) to the nearest node, m; without the running lane's if given."""
+        """Distance of points (m, 2) to the nearest node, m; ``inf`` where none is within 1 m.
+
+        The nodes of ``running_lane`` are left out.
+        """
         count = len(self)
         if running_lane >= 0 and self.lane and self.lane[-1] == running_lane:
             # A lane's nodes are consecutive, and only the running lane is left out.
             count = self.lane.index(running_lane)
-        return _distances(self._estimate, count, np.ascontiguousarray(points))
+        return _distances(self._estimate, self._buckets, count, np.ascontiguousarray(points))
 
     def within(self, point: Floats, radius: float) -> NDArray[np.int64]:
         """Nodes at most ``radius`` m from ``point``, nearest first."""
-        near = _within(self._estimate, len(self), point[0], point[1], radius)
+        if np.isfinite(radius):
+            near = _within(self._estimate, self._buckets, point[0], point[1], radius)
+        else:
+            near = np.arange(len(self))
         gap = self._estimate[near, :2] - point[:2]
         order = np.argsort((gap * gap).sum(axis=1), kind="stable")
         return np.asarray(near[order])
@@ -141,26 +157,75 @@ class MapGraph:
         return np.asarray(length), np.asarray(previous)
 
 
+_BUCKETS = 4096
+"""Of a hash table of square cells."""
+_SIDE = 0.4
+"""Of the cells, m."""
+_FAR = 1.0
+"""The nearest node is not looked for beyond, m."""
+
+
+class _Buckets(NamedTuple):
+    """Nodes by the cell that they lie in, as linked lists of the newest first.
+
+    ``first`` (_BUCKETS,): the newest node of a bucket, -1 for none; ``following`` (n,):
+    the next older one. Cells far apart may share a bucket: distances are always checked.
+    """
+
+    first: NDArray[np.int64]
+    following: NDArray[np.int64]
+
+
 @compiled
-def _within(nodes: Floats, count: int, x: float, y: float, radius: float) -> NDArray[np.int64]:
-    """Indices of the first ``count`` nodes that are at most ``radius`` m from a point."""
-    near = np.empty(count, np.int64)
+def _bucket(i: int, j: int) -> int:
+    return (i * 73856093 ^ j * 19349663) % _BUCKETS
+
+
+@compiled
+def _insert(nodes: Floats, buckets: _Buckets, node: int) -> None:
+    """Put a new node in front of its bucket's list."""
+    bucket = _bucket(math.floor(nodes[node, 0] / _SIDE), math.floor(nodes[node, 1] / _SIDE))
+    buckets.following[node] = buckets.first[bucket]
+    buckets.first[bucket] = node
+
+
+@compiled
+def _remove(nodes: Floats, buckets: _Buckets, node: int) -> None:
+    """Take the newest node out again."""
+    bucket = _bucket(math.floor(nodes[node, 0] / _SIDE), math.floor(nodes[node, 1] / _SIDE))
+    buckets.first[bucket] = buckets.following[node]
+
+
+@compiled
+def _within(nodes: Floats, buckets: _Buckets, x: float, y: float, radius: float) -> Nodes:
+    """Indices of the nodes that are at most ``radius`` m from a point, in order."""
+    near = np.empty(len(nodes), np.int64)
     found = 0
-    for k in range(count):
-        off_x, off_y = nodes[k, 0] - x, nodes[k, 1] - y
-        if off_x * off_x + off_y * off_y <= radius * radius:
-            near[found] = k
-            found += 1
-    return near[:found].copy()
+    for i in range(math.floor((x - radius) / _SIDE), math.floor((x + radius) / _SIDE) + 1):
+        for j in range(math.floor((y - radius) / _SIDE), math.floor((y + radius) / _SIDE) + 1):
+            node = buckets.first[_bucket(i, j)]
+            while node >= 0:
+                u, v = nodes[node, 0], nodes[node, 1]
+                here = math.floor(u / _SIDE) == i and math.floor(v / _SIDE) == j
+                if here and (u - x) * (u - x) + (v - y) * (v - y) <= radius * radius:
+                    near[found] = node
+                    found += 1
+                node = buckets.following[node]
+    return np.sort(near[:found])
 
 
 @compiled
-def _distances(nodes: Floats, count: int, points: Floats) -> Floats:
+def _distances(nodes: Floats, buckets: _Buckets, count: int, points: Floats) -> Floats:
     """Distance from points (m, 2) to the nearest of the first ``count`` nodes, m."""
     distance = np.full(len(points), np.inf)
-    for i in range(len(points)):
-        for k in range(count):
-            off_x, off_y = nodes[k, 0] - points[i, 0], nodes[k, 1] - points[i, 1]
-            distance[i] = min(distance[i], off_x * off_x + off_y * off_y)
-        distance[i] = math.sqrt(distance[i])
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        for i in range(math.floor((x - _FAR) / _SIDE), math.floor((x + _FAR) / _SIDE) + 1):
+            for j in range(math.floor((y - _FAR) / _SIDE), math.floor((y + _FAR) / _SIDE) + 1):
+                node = buckets.first[_bucket(i, j)]
+                while node >= 0:
+                    u, v = nodes[node, 0] - x, nodes[node, 1] - y
+                    if node < count and u * u + v * v <= _FAR * _FAR:
+                        distance[k] = min(distance[k], math.sqrt(u * u + v * v))
+                    node = buckets.following[node]
     return distance

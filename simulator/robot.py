@@ -135,7 +135,7 @@ class RobotSpec:
     caution: float = 0.015
     last_caution: float = 0.04
     align_to_walls: bool = True
-    time_limit: float = 40000.0
+    time_limit: float = 300000.0
 
     def __post_init__(self) -> None:
         for setting in fields(self):
