@@ -64,13 +64,17 @@ def find_frontiers(
     What is within 0.1 m of a place in ``tried`` (t, 2), m, is left out; the
     centre needs ``clearance`` m to known obstacles.
     """
-    mask = grid.open_cells(clearance).astype(np.uint8)
+    mask = grid.open_cells(clearance)
     grid.erase(mask, Covered(np.ascontiguousarray(nodes), spec.cover_radius))
     grid.erase(mask, Covered(tried, 0.1))
-    count, labels = cv2.connectedComponents(mask, connectivity=4)
     cells = np.argwhere(mask)
+    if len(cells) == 0:
+        return []
+    low, high = cells.min(axis=0), cells.max(axis=0) + 1
+    part = np.ascontiguousarray(mask[low[0] : high[0], low[1] : high[1]])
+    count, labels = cv2.connectedComponents(part, connectivity=4)
     points = grid.centres(cells)
-    label = labels[tuple(cells.T)]
+    label = labels[tuple((cells - low).T)]
     deep, node = cKDTree(nodes).query(points)
     area = np.bincount(label, minlength=count) * CELL**2
     depth = np.zeros(count)

@@ -29,6 +29,7 @@ __all__ = [
     "hit",
     "is_blocked_ahead",
     "is_clear",
+    "open_cells",
     "pass_beams",
     "stand",
 ]
@@ -237,3 +238,19 @@ def erase(mask: NDArray[np.uint8], cells: Cells, covered: Covered) -> None:
                 x, y = offset(cells, i, j, point)
                 if x * x + y * y <= limit:
                     mask[i, j] = 0
+
+
+@compiled
+def open_cells(cells: Cells, clearance: float) -> NDArray[np.uint8]:
+    """See `simulator.gridmap.GridMap.open_cells`."""
+    mask = cells.seen.astype(np.uint8)
+    rows, columns = mask.shape
+    reach, limit = math.ceil(clearance / CELL), (clearance / CELL) ** 2
+    for i in range(rows):
+        for j in range(columns):
+            if is_blocked(cells.evidence, i, j):
+                for x in range(max(i - reach, 0), min(i + reach + 1, rows)):
+                    for y in range(max(j - reach, 0), min(j + reach + 1, columns)):
+                        if (x - i) * (x - i) + (y - j) * (y - j) < limit:
+                            mask[x, y] = 0
+    return mask

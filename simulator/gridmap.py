@@ -143,9 +143,9 @@ class GridMap:
         distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         return np.asarray(distance, dtype=np.float64) * CELL
 
-    def open_cells(self, clearance: float) -> Bools:
-        """All cells that the centre may stand in, shape of the grid."""
-        return np.asarray(self.seen & (self.room() >= clearance))
+    def open_cells(self, clearance: float) -> NDArray[np.uint8]:
+        """All cells that the centre may stand in: 1, else 0; shape of the grid."""
+        return gridcells.open_cells(self._cells, clearance)
 
     def erase(self, mask: NDArray[np.uint8], covered: Covered) -> None:
         """Set a mask of the grid's shape to 0 where it is covered."""
