@@ -21,7 +21,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-# Else numba would take this file for the package that measures test coverage.
+# Some files here have the names of packages, which Python would find first.
 sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).resolve().parent]
 
 import click

@@ -15,6 +15,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+# Some files here have the names of packages, which Python would find first.
+sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).resolve().parent]
+
 import click
 
 from roomseg.cli.features import labelled_maps

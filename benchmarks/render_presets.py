@@ -10,9 +10,14 @@ of the equalised panoramas.
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
+
+# Some files here have the names of packages, which Python would find first.
+sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).resolve().parent]
 
 import click
 import cv2

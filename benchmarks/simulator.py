@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-# Else Python would take this file for the package of its name.
+# Some files here have the names of packages, which Python would find first.
 sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).resolve().parent]
 
 import click
