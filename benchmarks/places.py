@@ -20,9 +20,6 @@ from typing import Any
 # Some files here have the names of packages, which Python would find first.
 sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).resolve().parent]
 
-# Else numba would take coverage.py beside this file for the package of that name.
-sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).resolve().parent]
-
 import click
 import numpy as np
 

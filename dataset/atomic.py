@@ -16,7 +16,7 @@ from pathlib import Path
 
 from dataset.errors import RoomsegError
 
-__all__ = ["locked", "replacing", "write_text"]
+__all__ = ["locked", "replacing", "unwritten", "write_text"]
 
 
 @contextmanager
@@ -35,7 +35,10 @@ def locked(path: str | Path) -> Iterator[None]:
     """
     # Through a link or directly: one file, one lock.
     lock = Path(f"{Path(path).resolve()}.lock")
-    descriptor = _open_lock(lock, Path(path))
+    try:
+        descriptor = _open_lock(lock, Path(path))
+    except OSError as error:
+        raise unwritten(path, error) from error
     try:
         yield
     finally:
@@ -64,21 +67,40 @@ def _open_lock(lock: Path, path: Path) -> int:
 def replacing(path: str | Path) -> Iterator[Path]:
     """Write a file beside ``path`` and rename it to ``path`` if all went well.
 
+    A link stays, and the file that it leads to is replaced.
+
     Yields
     ------
     Path
         Where to write. If the body raises, that file is removed and ``path``
         is as it was.
+
+    Raises
+    ------
+    RoomsegError
+        If the file cannot be written, or what is there is no regular file.
     """
-    path = Path(path).resolve()
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    target = Path(path).resolve()
+    if Path(path).exists() and not Path(path).is_file():
+        raise RoomsegError(f"{path}: is no regular file, expected another file name")
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         yield part
         force_to_disk(part)
-        part.replace(path)
-        force_to_disk(path.parent)
+        part.replace(target)
+        force_to_disk(target.parent)
+    except OSError as error:
+        # Others are of files that the body reads.
+        if error.filename is None or Path(os.fsdecode(error.filename)) in (part, target.parent):
+            raise unwritten(path, error) from error
+        raise
     finally:
         part.unlink(missing_ok=True)
+
+
+def unwritten(path: str | Path, error: OSError) -> RoomsegError:
+    """One line on a file that cannot be written, by the name that the user knows."""
+    return RoomsegError(f"{path}: cannot be written: {error.strerror or error}")
 
 
 def remove_leftovers(path: str | Path) -> None:

@@ -27,7 +27,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator, Set
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
@@ -36,7 +36,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.atomic import force_to_disk, locked, remove_leftovers, replacing
+from dataset.atomic import force_to_disk, locked, remove_leftovers, replacing, unwritten
 from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
 from dataset.layout import decode_camera, encode_camera
@@ -153,6 +153,8 @@ class FrameJournal:
         ------
         FormatError
             If the node does not exist or the image has another size or type.
+        RoomsegError
+            If the journal cannot be written; what was appended before stays.
         """
         if not 0 <= index < self._node_count:
             raise FormatError(f"{self.path}: node {index}, expected 0..{self._node_count - 1}")
@@ -161,9 +163,13 @@ class FrameJournal:
         data = pack_image(image, self.camera.image_size)
         stream = self._open_stream()
         start = stream.seek(0, os.SEEK_END)
-        stream.write(_seal(index, data, gain) + data)
-        stream.flush()
-        os.fsync(stream.fileno())
+        try:
+            stream.write(_seal(index, data, gain) + data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        except OSError as error:
+            self._drop_stream(start)
+            raise unwritten(f"{self.path}.frames", error) from error
         self._entries[index] = _Entry(start + RECORD.size, len(data), gain)
         self._done.add(index)
 
@@ -244,6 +250,17 @@ class FrameJournal:
                     part.write_bytes(self._header())
             self._stream = self._journal.open("r+b")
         return self._stream
+
+    def _drop_stream(self, end: int) -> None:
+        """Forget what is behind ``end``; closing would try to write it again."""
+        stream, self._stream = self._stream, None
+        assert stream is not None
+        with suppress(OSError):
+            stream.close()
+        if self._entries:
+            os.truncate(self._journal, end)
+        else:
+            self._journal.unlink()
 
     def _read_journal(self) -> dict[int, _Entry]:
         with self._journal.open("r+b") as stream:

@@ -22,7 +22,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dataset.atomic import locked, remove_leftovers, replacing
+from dataset.atomic import locked, remove_leftovers
 from dataset.errors import FormatError
 from dataset.layout import (
     array_of,
@@ -34,6 +34,7 @@ from dataset.layout import (
     text_attribute,
 )
 from dataset.topomap import TopoMap
+from dataset.writing import created
 
 __all__ = ["MapFile", "Rooms", "read_map", "write_map", "write_rooms"]
 
@@ -78,7 +79,7 @@ def write_map(
     """
     with locked(path):
         remove_leftovers(path)
-        with replacing(path) as part, h5py.File(part, "w") as file:
+        with created(path) as file:
             encode_map(file, topomap)
             if images is not None:
                 frames = _packed(images, gains, topomap)
@@ -343,7 +344,7 @@ def rewriting(
     """
     remove_leftovers(path)
     # Not `opened`: a full disk while the body writes is no damaged map file.
-    with open_map(path) as source, replacing(path) as part, h5py.File(part, "w") as target:
+    with open_map(path) as source, created(path) as target:
         with errors_of(path):
             for name, value in source.attrs.items():
                 target.attrs[name] = value

@@ -231,6 +231,8 @@ def render_through_file(bpy: Any, scene: Any) -> NDArray[np.float32]:
     ------
     RoomsegError
         If Blender returned without a picture.
+    OSError
+        If the picture was not stored whole.
     """
     render = scene.render
     render.image_settings.file_format = "OPEN_EXR"
@@ -243,6 +245,8 @@ def render_through_file(bpy: Any, scene: Any) -> NDArray[np.float32]:
             raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
         image = bpy.data.images.load(str(path))
         width, height = image.size
+        if not image.has_data and not width * height:
+            raise OSError("no room for temporary files")
         flat = np.empty(width * height * image.channels, dtype=np.float32)
         image.pixels.foreach_get(flat)
         channels = image.channels

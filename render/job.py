@@ -21,6 +21,7 @@ from dataset.topomap import TopoMap
 from render.blender import render_window
 from render.cycles import Device
 from render.exposure import expose
+from render.lighting import missing_light
 from render.presets import Preset
 from render.process import Job, RenderProcess
 from scenes.apartment import Apartment
@@ -55,7 +56,8 @@ def render_map(
     on_device : callable, optional
         Called once with the name of what renders.
     on_progress : callable, optional
-        Called with (images that are there, nodes), at first and after every image.
+        Called with (images that are there, how many there will be), at first and after
+        every image.
 
     Returns
     -------
@@ -65,8 +67,8 @@ def render_map(
     Raises
     ------
     FormatError
-        If the file is no map, has no scene or poses, or holds images of another
-        preset or camera.
+        If the file is no map, has no scene, poses or light, or holds images of
+        another preset or camera.
     RoomsegError
         If another process writes to the map, or Blender fails.
     """
@@ -77,7 +79,7 @@ def render_map(
         try:
             missing = [i for i in range(len(topomap.nodes)) if i not in journal.done][:limit]
             if on_progress is not None:
-                on_progress(len(journal.done), len(topomap.nodes))
+                on_progress(len(journal.done), len(journal.done) + len(missing))
             if not missing:
                 return 0
             folder = str(Path(path).resolve().parent)
@@ -100,14 +102,14 @@ def _render(
     """Expose and journal the frames of the nodes ``missing``."""
     poses = topomap.nodes.camera_pose
     assert poses is not None
-    count = 0
+    count, total = 0, len(journal.done) + len(missing)
     with closing(process.frames(missing, poses)) as frames:
         for index, radiance in frames:
             image, gain = expose(radiance, journal.camera)
             journal.append(index, image, gain)
             count += 1
             if on_progress is not None:
-                on_progress(len(journal.done), len(topomap.nodes))
+                on_progress(len(journal.done), total)
     return count
 
 
@@ -128,6 +130,12 @@ def _apartment(path: str | Path, topomap: TopoMap) -> Apartment:
     if topomap.nodes.true_pose is None:
         raise FormatError(f"{path}: /nodes/true_pose: missing, only simulated maps can be rendered")
     try:
-        return apartment_from_json(topomap.scene, origin=f"{path}: /scene")
+        apartment = apartment_from_json(topomap.scene, origin=f"{path}: /scene")
     except SceneError as error:
         raise FormatError(str(error)) from error
+    if apartment.scene_file is None and (missing := missing_light(apartment)) is not None:
+        source = apartment.lighting.source
+        raise FormatError(
+            f"{path}: /scene: lighting.source {source!r}: nothing gives light; expected {missing}"
+        )
+    return apartment

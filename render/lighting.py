@@ -29,7 +29,14 @@ from render.nodes import add_math
 from scenes.apartment import Apartment, Window
 from scenes.openings import place
 
-__all__ = ["SHARES", "add_lighting", "add_outdoor_light", "lamp_radiance", "window_frame"]
+__all__ = [
+    "SHARES",
+    "add_lighting",
+    "add_outdoor_light",
+    "lamp_radiance",
+    "missing_light",
+    "window_frame",
+]
 
 SHARES = {"interior": (1.0, 0.1), "exterior": (0.0, 1.0), "mixed": (0.1, 1.0)}
 """Share of the lamps' power and of the daylight, by `Lighting.source`."""
@@ -57,6 +64,27 @@ def add_outdoor_light(bpy: Any, scene: Any, apartment: Apartment, *, sky: bool) 
     if sky:
         strength = SHARES[apartment.lighting.source][1] * apartment.lighting.sky_strength
         _set_sky(bpy, scene, strength, lights=True)
+
+
+def missing_light(apartment: Apartment) -> str | None:
+    """What an apartment without a scene of its own needs, so that its images are not black.
+
+    ``None`` if lamps that are on, or windows by day or at dusk, light it. 'interior' is
+    the light of lamps; the dusk alone is not what was asked for.
+    """
+    light = apartment.lighting
+    if apartment.lamps and SHARES[light.source][0] > 0.0:
+        return None
+    if light.source == "interior":
+        return "`lamps`; or `windows`, with the source 'exterior' or 'mixed'"
+    if not any(window_frame(apartment, window) is not None for window in apartment.windows):
+        both = "`lamps` or `windows` to the outside"
+        alone = "`windows` to the outside; or `lamps`, with the source 'interior' or 'mixed'"
+        return both if light.source == "mixed" else alone
+    sun_is_up = light.sun_strength > 0.0 and light.sun_elevation_deg > 0.0
+    if light.sky_strength > 0.0 or sun_is_up:
+        return None
+    return "a `sky_strength` above 0, or a sun"
 
 
 def lamp_radiance(apartment: Apartment, index: int, area: float) -> float:

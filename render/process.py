@@ -30,7 +30,7 @@ PATIENCE_S = 10.0
 
 @dataclass(frozen=True)
 class Job:
-    """What the child is to render: the first line that it reads.
+    """What the child is to render, in the first line that it reads.
 
     ``threads`` None means all cores; frame i is sampled with ``seed`` + i. The
     apartment's scene file, if it has one, is in ``folder``.
@@ -92,10 +92,12 @@ class RenderProcess:
 
     def __init__(self, job: Job) -> None:
         self._size = job.camera.image_size
+        # Here, so that it goes even if the child is killed.
+        self._folder = tempfile.TemporaryDirectory(prefix="roomseg-render-")
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  (closed by _end)
         self._child = start_child("render.worker", self._log)
         try:
-            self._send(job.to_json())
+            self._send(json.dumps({"job": job.to_json(), "folder": self._folder.name}))
             self.device = str(self._receive()[0]["device"])
         except BaseException:
             self._end()
@@ -186,6 +188,7 @@ class RenderProcess:
             self._child.wait()
         self._child.stdout.close()
         self._log.close()
+        self._folder.cleanup()
 
 
 def start_child(module: str, log: IO[bytes]) -> subprocess.Popen[bytes]:

@@ -15,6 +15,7 @@ show the same scene, but are not the same bytes. The bytes of a .glb are the sam
 from __future__ import annotations
 
 import math
+import re
 import shutil
 import tempfile
 from pathlib import Path
@@ -22,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from dataset.atomic import replacing
+from dataset.atomic import replacing, unwritten
 from dataset.camera import FisheyeCamera
 from render.blender import (
     add_camera,
@@ -35,6 +36,7 @@ from render.blender import (
 from render.cycles import configure
 from render.lighting import add_lighting, lamp_radiance
 from render.presets import preset_named
+from render.scene_files import require_whole
 from render.task import run_task
 from scenes.apartment import Apartment
 from scenes.errors import SceneError
@@ -65,10 +67,9 @@ def write_scene(apartment: Apartment, path: str | Path) -> None:
     Raises
     ------
     SceneError
-        If the suffix is another, the apartment itself is rendered from a scene file, or
-        the file cannot be written.
+        If the suffix is another, or the apartment itself is rendered from a scene file.
     RoomsegError
-        If Blender fails.
+        If the file cannot be written, or Blender fails.
     """
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
@@ -81,24 +82,31 @@ def write_scene(apartment: Apartment, path: str | Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         # Blender minds the suffix, so it does not write to the part itself.
         file = Path(folder) / f"scene{path.suffix.lower()}"
-        run_task("scene_export", apartment=apartment.model_dump(mode="json"), output=str(file))
         try:
+            run_task("scene_export", apartment=apartment.model_dump(mode="json"), output=str(file))
+            require_whole(file)
             with replacing(path) as part:
                 shutil.copyfile(file, part)
         except OSError as error:
-            raise SceneError(f"{path}: cannot be written: {error.strerror or error}") from None
+            raise unwritten(path, error) from None
 
 
 def perform(bpy: Any, *, apartment: dict[str, Any], output: str) -> dict[str, Any]:
     """Build the scene and write it; see `write_scene`. There is nothing to answer."""
     plain = output.endswith(".glb")
     _build(bpy, Apartment.model_validate(apartment), plain=plain)
-    if plain:
-        bpy.ops.export_scene.gltf(
-            filepath=output, export_format="GLB", export_lights=True, export_texcoords=False
-        )
-    else:
-        bpy.ops.wm.save_as_mainfile(filepath=output, compress=True)
+    try:
+        if plain:
+            bpy.ops.export_scene.gltf(
+                filepath=output, export_format="GLB", export_lights=True, export_texcoords=False
+            )
+        else:
+            bpy.ops.wm.save_as_mainfile(filepath=output, compress=True)
+    except RuntimeError as error:
+        # Blender makes one of any error of its add-ons.
+        if (failure := re.search(r"^OSError: (?:\[Errno \d+\] )?(.*)$", str(error), re.M)) is None:
+            raise
+        raise OSError(failure[1]) from None
     return {}
 
 

@@ -8,9 +8,11 @@ None of it needs Blender.
 
 from __future__ import annotations
 
+import errno
 import gzip
 import io
 import json
+import os
 import re
 import struct
 import zlib
@@ -24,7 +26,7 @@ import zstandard
 from render.usd_strings import usd_layers
 from scenes.errors import SceneError
 
-__all__ = ["FORMATS", "inspect_scene", "is_inside"]
+__all__ = ["FORMATS", "inspect_scene", "is_inside", "require_whole"]
 
 MOST_JSON = 200_000_000
 """Longest JSON of a glTF, bytes."""
@@ -106,6 +108,20 @@ def _blend(path: Path, stream: IO[bytes]) -> bool:
             f"file (Blender: Object > Relations > Make Local > All)"
         )
     return True
+
+
+def require_whole(path: Path) -> None:
+    """Refuse half of a file that Blender wrote: it does not notice when the disk is full.
+
+    Raises
+    ------
+    OSError
+        If the file is not whole.
+    """
+    try:
+        inspect_scene(path)
+    except SceneError:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)) from None
 
 
 def _cut_short(path: Path) -> SceneError:

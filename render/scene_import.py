@@ -24,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.atomic import force_to_disk
+from dataset.atomic import force_to_disk, unwritten
 from render.blender import empty_scene
 from render.scene_cleaning import first_line, open_blend, remove_scripts, settle_images
 from render.scene_evaluation import (
@@ -33,7 +33,7 @@ from render.scene_evaluation import (
     sources_of_light,
     triangles_of,
 )
-from render.scene_files import inspect_scene
+from render.scene_files import inspect_scene, require_whole
 from render.task import run_task
 from scenes.apartment import Apartment, Lighting, Point, SceneFile
 from scenes.checks import check
@@ -116,13 +116,17 @@ def read_scene(
     options = {"scale": scale, "up": up, "floor": floor, "has_unit": has_unit}
     with _work_folder(folder) as work:
         blend, surface = work / "scene.blend", work / "surface.npz"
-        found = run_task(
-            "scene_import",
-            path=str(path.resolve()),
-            blend=str(blend.resolve()),
-            surface=str(surface.resolve()),
-            **options,
-        )
+        try:
+            found = run_task(
+                "scene_import",
+                path=str(path.resolve()),
+                blend=str(blend.resolve()),
+                surface=str(surface.resolve()),
+                **options,
+            )
+            require_whole(blend)
+        except OSError as error:
+            raise unwritten(folder, error) from None
         with np.load(surface) as stored:
             triangles = Triangles(stored["corners"], stored["owner"])
         apartment, notes = _apartment(

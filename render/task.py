@@ -47,6 +47,8 @@ def run_task(task: Task, **arguments: Any) -> dict[str, Any]:
     ------
     RoomsegError
         If the task says so, or the process ends without an answer.
+    OSError
+        If it could not write a file; what the user calls that is not said.
     """
     with (
         tempfile.TemporaryFile() as log,
@@ -65,6 +67,8 @@ def run_task(task: Task, **arguments: Any) -> dict[str, Any]:
         if not answer:
             raise RoomsegError(f"Blender: {_last_words(log, child.returncode)}")
     fields: dict[str, Any] = json.loads(answer)
+    if "unwritten" in fields:
+        raise OSError(fields["unwritten"])
     if "error" in fields:
         raise RoomsegError(fields["error"])
     return fields
@@ -96,6 +100,8 @@ def _perform(task: Task, arguments: dict[str, Any]) -> dict[str, Any]:
         answer: dict[str, Any] = module.perform(load_bpy(), **arguments)
     except (RoomsegError, SceneError) as error:
         return {"error": str(error)}
+    except OSError as error:
+        return {"unwritten": error.strerror or str(error)}
     return answer
 
 

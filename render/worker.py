@@ -4,11 +4,11 @@ bpy stays out of the calling process: after a render ``fork`` hangs, SIGINT is
 swallowed, and the interpreter may hang at its end. The child therefore only
 renders, and ends without the interpreter's shutdown.
 
-Requests come as lines of JSON on standard input: first the job, then one line per
-frame. Answers go to the original standard output: a line of JSON, followed by the
-frame's float32 pixels. Blender's own chatter is kept out of it by pointing file
-descriptor 1 elsewhere. The end of the input ends the process at once, also in the
-middle of a frame: the caller has gone, be it by SIGKILL.
+Requests come as lines of JSON on standard input: first the job and a folder for what
+is temporary, then one line per frame. Answers go to the original standard output: a
+line of JSON, followed by the frame's float32 pixels. Blender's own chatter is kept out
+of it by pointing file descriptor 1 elsewhere. The end of the input ends the process at
+once, also in the middle of a frame: the caller has gone, be it by SIGKILL.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ import json
 import os
 import shutil
 import sys
-import tempfile
 import traceback
 from queue import SimpleQueue
 from threading import Thread
@@ -70,9 +69,9 @@ def read_lines(lines: SimpleQueue[str], folder: str) -> None:
     leave(folder, 0)
 
 
-def _serve(channel: BinaryIO, lines: SimpleQueue[str]) -> None:
+def _serve(channel: BinaryIO, job: str, lines: SimpleQueue[str]) -> None:
     """Answer the job, then every frame asked for; `read_lines` ends this."""
-    source, device = _prepare(lines.get())
+    source, device = _prepare(job)
     _answer(channel, {"device": device})
     while True:
         request = json.loads(lines.get())
@@ -85,14 +84,17 @@ def main() -> None:
     """Serve one job; leaves the process without the interpreter's shutdown."""
     channel = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    folder = os.environ["TMPDIR"] = tempfile.mkdtemp(prefix="roomseg-render-")
+    request = json.loads(sys.stdin.readline())
+    folder = os.environ["TMPDIR"] = request["folder"]
     lines: SimpleQueue[str] = SimpleQueue()
     Thread(target=read_lines, args=(lines, folder), daemon=True).start()
     try:
         try:
-            _serve(channel, lines)
+            _serve(channel, request["job"], lines)
         except (RoomsegError, SceneError) as error:
             _answer(channel, {"error": str(error)})
+        except OSError as error:
+            _answer(channel, {"error": f"Blender: {error.strerror or error}"})
     except BaseException:
         # A shutdown that hangs would keep the caller waiting for the reason, too.
         traceback.print_exc()

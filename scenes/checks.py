@@ -16,12 +16,13 @@ import shapely
 from shapely import Polygon
 
 from scenes.apartment import Apartment, Piece, Room
+from scenes.faults import shape_fault
 from scenes.lamps import BODY_HEIGHT, lamp_underside
 from scenes.materials import BUILT_IN
 from scenes.parts import Part
 from scenes.passages import ROBOT_RADIUS, free_region
 from scenes.pieces import KINDS, piece_parts
-from scenes.rooms import rooms_at
+from scenes.rooms import room_shapes, rooms_at
 from scenes.solids import Prism, block_footprint, floor_region, polygons
 from scenes.wall_checks import (
     check_covered_floor,
@@ -51,6 +52,7 @@ def check(apartment: Apartment) -> Iterator[str]:
             check_enclosure,
             check_openings,
             check_shared_openings,
+            _ceiling_steps,
         ),
         (check_lamps,),
         (_furniture, _start),
@@ -139,8 +141,7 @@ def _shapes(apartment: Apartment) -> Iterator[str]:
     for index, room in enumerate(apartment.rooms):
         shape = Polygon(room.polygon)
         if not shape.is_valid:
-            reason = shapely.is_valid_reason(shape)
-            yield f"rooms[{index}].polygon: {reason}; expected a simple polygon"
+            yield f"rooms[{index}].polygon: {shape_fault(shape)}; expected a simple polygon"
         elif shape.area < 0.1:
             yield f"rooms[{index}].polygon: {shape.area:.3g} m²; expected at least 0.1 m²"
     yield from check_blocks(apartment)
@@ -154,14 +155,30 @@ def check_blocks(apartment: Apartment) -> Iterator[str]:
     for index, block in enumerate(apartment.blocks):
         shape = block_footprint(block)
         if not shape.is_valid:
-            reason = shapely.is_valid_reason(shape)
-            yield f"blocks[{index}].polygon: {reason}; expected a simple polygon, holes inside it"
+            fault = shape_fault(shape)
+            yield f"blocks[{index}].polygon: {fault}; expected a simple polygon, holes inside it"
         elif shape.area < 1e-6:
             yield f"blocks[{index}].polygon: {shape.area:.3g} m²; expected a polygon with an area"
         if block.top is not None and block.top <= block.bottom:
             yield (
                 f"blocks[{index}].top: {block.top:g} m; expected above the bottom at "
                 f"{block.bottom:g} m, or null for through the ceiling"
+            )
+
+
+def _ceiling_steps(apartment: Apartment) -> Iterator[str]:
+    """Yield the steps of the ceiling that begin above it, where nobody sees them."""
+    shapes = room_shapes(apartment)
+    for index, block in enumerate(apartment.blocks):
+        if block.bottom == 0.0 or block.top is not None:
+            continue
+        under = np.flatnonzero(shapely.area(shapely.intersection(shapes, block_footprint(block))))
+        highest = max((apartment.rooms[i].ceiling_height for i in under), default=np.inf)
+        if block.bottom >= highest:
+            names = " and ".join(repr(apartment.rooms[i].name) for i in under)
+            yield (
+                f"blocks[{index}].bottom: {block.bottom:g} m is not below the ceiling of {names}; "
+                f"expected less than {highest:g} m for a step of the ceiling"
             )
 
 
@@ -185,9 +202,15 @@ def _misplaced(apartment: Apartment, piece: Piece, allowed: shapely.Geometry) ->
         return f"position {metres(piece.position)} is in no room; expected inside one"
     outside = shapely.union_all([part.footprint for part in parts]).difference(allowed)
     if is_thick(outside):
-        worst = shapely.distance(shapely.points(shapely.get_coordinates(outside)), allowed).max()
+        for index, block in enumerate(apartment.blocks):
+            shared = outside.intersection(block_footprint(block))
+            if block.is_masonry and is_thick(shared):
+                return (
+                    f"at {metres(piece.position)} reaches {_width(shared):.3f} m into the masonry "
+                    f"of {homes[0].name!r}, blocks[{index}]; expected on the clear floor"
+                )
         return (
-            f"at {metres(piece.position)} reaches {worst:.3f} m into the walls of "
+            f"at {metres(piece.position)} reaches {_width(outside):.3f} m into the walls of "
             f"{homes[0].name!r}; expected on the clear floor"
         )
     top, ceiling = max(part.top for part in parts), homes[0].ceiling_height
@@ -203,9 +226,26 @@ def _in_block(apartment: Apartment, parts: list[Part]) -> str | None:
         level = [
             p.footprint for p in parts if p.bottom < top - 1e-9 and p.top > block.bottom + 1e-9
         ]
-        if level and is_thick(shapely.union_all(level).intersection(block_footprint(block))):
-            return f"reaches into blocks[{index}]; expected beside, below or above it"
+        shared = shapely.union_all(level).intersection(block_footprint(block))
+        if is_thick(shared):
+            return (
+                f"reaches {_width(shared):.3f} m into blocks[{index}]; expected beside, below or "
+                f"above it"
+            )
     return None
+
+
+def _width(region: shapely.Geometry) -> float:
+    """How wide a region is where it is widest, to a tenth of a millimetre, m."""
+    west, south, east, north = region.bounds
+    low, high = 0.0, min(east - west, north - south)
+    while high - low > 1e-4:
+        middle = (low + high) / 2
+        if region.buffer(-middle / 2).is_empty:
+            high = middle
+        else:
+            low = middle
+    return float(high)
 
 
 def check_lamps(apartment: Apartment) -> Iterator[str]:

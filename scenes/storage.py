@@ -17,6 +17,7 @@ from pydantic_core import ErrorDetails
 from scenes.apartment import Apartment
 from scenes.checks import check
 from scenes.errors import SceneError
+from scenes.faults import value_fault
 
 __all__ = [
     "apartment_from_json",
@@ -121,8 +122,10 @@ def save_apartment(apartment: Apartment, path: str | Path) -> None:
     Raises
     ------
     SceneError
-        If the file cannot be written.
+        If the file cannot be written, or its name does not end in ``.json``.
     """
+    if Path(path).suffix.lower() != ".json":
+        raise SceneError(f"{path}: not an apartment's name, expected one that ends in .json")
     save_text(apartment_to_json(apartment), path)
 
 
@@ -134,12 +137,16 @@ def save_text(text: str, path: str | Path) -> None:
 def save_bytes(data: bytes, path: str | Path) -> None:
     """Write a file; a crash leaves the old file or the new one, never half of it.
 
+    A link stays, and the file that it leads to is replaced.
+
     Raises
     ------
     SceneError
-        If the file cannot be written.
+        If the file cannot be written, or what is there is no regular file.
     """
-    target = Path(path)
+    target = Path(path).resolve()
+    if Path(path).exists() and not Path(path).is_file():
+        raise SceneError(f"{path}: is no regular file, expected another file name")
     try:
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         try:
@@ -208,7 +215,7 @@ def _describe(fault: ErrorDetails) -> str:
         return f"{place}: missing; expected a value"
     value = repr(fault["input"])
     value = value if len(value) <= 60 else value[:57] + "..."
-    return f"{place}: {value}: {' '.join(fault['msg'].split())}"
+    return f"{place}: {value}; {value_fault(fault)}"
 
 
 def _place(loc: tuple[int | str, ...]) -> str:

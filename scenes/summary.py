@@ -5,18 +5,27 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
+import numpy as np
+import shapely
 from shapely import Polygon
 
 from scenes.apartment import Apartment, Passage
 from scenes.passages import passage_rooms
-from scenes.solids import floor_area, floor_region, masonry_region, obstacles
+from scenes.rooms import room_shapes
+from scenes.solids import GAP, floor_area, masonry_region, obstacles, rooms_region
 
 __all__ = ["ApartmentSummary", "RoomSummary", "summarise_apartment"]
+
+LEAST_SHARED = 0.1
+"""Rooms that share less of a border are not open to each other, m."""
 
 
 @dataclass(frozen=True)
 class RoomSummary:
-    """A room: clear floor area, m², ceiling height, m, surfaces, rooms next to it."""
+    """A room: clear floor area, m², ceiling height, m, surfaces.
+
+    ``passages_to`` are the rooms that it leads to by passages and borders without a wall.
+    """
 
     name: str
     kind: str
@@ -37,7 +46,7 @@ class ApartmentSummary:
     rooms: tuple[RoomSummary, ...]
     floor_area: float
     free_area: float
-    """Floor that nothing stands on."""
+    """Floor of the rooms that nothing stands on; that of the doorways does not count."""
     passages: int
     framed_passages: int
     passages_without_lintel: int
@@ -62,7 +71,7 @@ def summarise_apartment(apartment: Apartment) -> ApartmentSummary:
         description=apartment.description,
         rooms=_rooms(apartment, open_passages),
         floor_area=floor_area(apartment),
-        free_area=float(floor_region(apartment).difference(obstacles(apartment)).area),
+        free_area=float(rooms_region(apartment).difference(obstacles(apartment)).area),
         passages=len(open_passages),
         framed_passages=sum(passage.frame is not None for passage in open_passages),
         passages_without_lintel=sum(passage.lintel_height is None for passage in open_passages),
@@ -81,6 +90,7 @@ def summarise_apartment(apartment: Apartment) -> ApartmentSummary:
 def _rooms(apartment: Apartment, passages: list[Passage]) -> tuple[RoomSummary, ...]:
     masonry = masonry_region(apartment)
     joined = [passage_rooms(apartment, passage) for passage in passages]
+    joined += _open_to_each_other(apartment)
     found = []
     for index, room in enumerate(apartment.rooms):
         ends = [set(pair) - {index, None} for pair in joined if index in pair]
@@ -98,3 +108,20 @@ def _rooms(apartment: Apartment, passages: list[Passage]) -> tuple[RoomSummary, 
             )
         )
     return tuple(found)
+
+
+def _open_to_each_other(apartment: Apartment) -> list[tuple[int, int]]:
+    """Indices of the rooms on either side of the borders that no wall parts."""
+    if not apartment.borders:
+        return []
+    segments = np.array(apartment.borders, dtype=float).reshape(-1, 2, 2)
+    lines = shapely.union_all(shapely.linestrings(segments))
+    # A little wider: rooms may be up to a gap apart from the line.
+    edges = shapely.buffer(shapely.boundary(room_shapes(apartment)), GAP)
+    shared = shapely.intersection(edges, lines)
+    pairs = shapely.STRtree(shared).query(shared, predicate="intersects").T
+    return [
+        (int(a), int(b))
+        for a, b in pairs
+        if a < b and shared[a].intersection(shared[b]).length > LEAST_SHARED
+    ]

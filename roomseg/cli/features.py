@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from rich.progress import Progress
 
+from roomseg.cli.options import FiniteRange
 from roomseg.cli.output import follow, progress_bar
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ subset_option = click.option(
 
 def classifier_options(command: Command) -> Command:
     """Add the four parameters of the method (Table 6)."""
-    positive = click.FloatRange(0.0, min_open=True)
+    positive = FiniteRange(0.0, min_open=True)
     for name, target, default, text in (
         ("--rho", "rho", 60.0, "ρ: border edges weigh so many times less."),
         ("--w", "class_weight", 40.0, "w: border edges count so many times."),

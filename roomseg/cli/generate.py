@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from roomseg.cli.options import OutputFile, jobs_option, seed_option
+from roomseg.cli.options import FiniteRange, OutputFile, jobs_option, seed_option
+from roomseg.cli.output import counted
 
 if TYPE_CHECKING:
     from scenes.generator import Wishes
@@ -38,12 +39,15 @@ class Range(click.ParamType["float | int | tuple[float, float] | tuple[int, int]
             if not self.least <= end <= self.most:
                 limits = f"{self.least}<=x<={self.most}"
                 self.fail(f"{end:g} is not in the range {limits}.", param, ctx)
+        if ends[0] > ends[-1]:
+            right = f"{ends[1]:g}-{ends[0]:g}"
+            self.fail(f"{value}; expected the smaller value first, {right}", param, ctx)
         return ends[0] if len(ends) == 1 else tuple(ends)
 
 
 EXAMPLE = """\b
 Example:
-  roomseg generate --seed 7 --rooms 5 -o home7.json
+  roomseg generate --seed 7 -o home7.json
   roomseg generate --seed 8 --rooms 3 --area 40 --lighting interior -o home8.json
   roomseg generate --count 1000 --jobs 2 --rooms 2-8 -o homes
 """
@@ -63,7 +67,7 @@ _CHOICES = {
 def wish_options(command: Command) -> Command:
     """Options for what the apartments shall be like."""
     for name, text in reversed(_SHARES.items()):
-        command = click.option(name, type=click.FloatRange(0.0, 1.0), help=text)(command)
+        command = click.option(name, type=FiniteRange(0.0, 1.0), help=text)(command)
     steps = click.IntRange(0, 6)
     text = "Rooms with a step or beam of the ceiling."
     command = click.option("--ceiling-steps", type=steps, help=text)(command)
@@ -107,7 +111,7 @@ def command(
     from scenes.generator import Wishes
 
     if count is None:
-        output = OutputFile().convert(output, None, click.get_current_context())
+        output = OutputFile(".json").convert(output, None, click.get_current_context())
         _generate_one(seed, Wishes(**asked), output)
     else:
         _check_folder(output)
@@ -120,7 +124,8 @@ def _generate_one(seed: int, wishes: Wishes, output: Path) -> None:
 
     apartment = generate(seed, wishes)
     save_apartment(apartment, output)
-    click.echo(f"{output}: {len(apartment.rooms)} rooms, {len(apartment.furniture)} pieces")
+    rooms, pieces = len(apartment.rooms), len(apartment.furniture)
+    click.echo(f"{output}: {counted(rooms, 'room')}, {counted(pieces, 'piece')}")
 
 
 def _check_folder(output: Path) -> None:
@@ -205,31 +210,12 @@ def _is_there(path: Path) -> bool:
 
 def _write_all(items: list[Item], jobs: int) -> Iterator[str | None]:
     """Write apartments in this process or in several; yield a problem or None for each."""
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    from dataset import RoomsegError
-
     if jobs == 1 or len(items) < 2:
         yield from map(_write, items)
         return
-    # Spawned, not forked: threads of numerical libraries do not survive a fork.
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_die_quietly)
-    try:
-        for future in as_completed([pool.submit(_write, item) for item in items]):
-            yield future.result()
-    except BrokenProcessPool as error:
-        raise RoomsegError("a process died; call the command again to go on") from error
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    from roomseg.cli.parallel import in_processes
 
-
-def _die_quietly() -> None:
-    """Ctrl-C reaches the whole process group; only the parent has something to say about it."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    yield from in_processes(_write, items, jobs)
 
 
 def _write(item: Item) -> str | None:

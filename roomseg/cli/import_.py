@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from roomseg.cli.options import FiniteRange, output_option
+from roomseg.cli.output import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,6 +41,9 @@ SUFFIXES = {
     ".txt": "r2v",
 }
 """Formats by suffix, but for those of 3D scenes; ``.json`` says by its content what it is."""
+
+UPRIGHT = (".obj", ".ply", ".stl")
+"""3D scenes that do not say which axis points up."""
 
 OPTIONS = {"ceiling_height": "--ceiling"}
 """Options that are not called as the readers' parameters are."""
@@ -149,6 +153,7 @@ def command(*, file: Path, output: Path, format_: str | None, **options: Any) ->
 
     format_ = format_ or _format_of(file)
     given = {key: value for key, value in options.items() if value is not None}
+    _check_company(file, given)
     reader = _reader(format_, given)
     if format_ == "scene":
         given["output_folder"] = output.parent  # the scene's own file goes beside the apartment's
@@ -162,9 +167,9 @@ def command(*, file: Path, output: Path, format_: str | None, **options: Any) ->
         raise RoomsegError(f"{file}: {problems[0]}")
     save_apartment(apartment, output)
     click.echo(
-        f"{output}: {len(apartment.rooms)} rooms, {floor_area(apartment):.1f} m², "
-        f"{len(apartment.walls)} walls, {len(apartment.blocks)} blocks, "
-        f"{len(apartment.furniture)} pieces, {len(result.notes)} notes"
+        f"{output}: {counted(len(apartment.rooms), 'room')}, {floor_area(apartment):.1f} m², "
+        f"{counted(len(apartment.walls), 'wall')}, {counted(len(apartment.blocks), 'block')}, "
+        f"{counted(len(apartment.furniture), 'piece')}, {counted(len(result.notes), 'note')}"
     )
 
 
@@ -198,6 +203,15 @@ def _json_format(file: Path) -> str:
     if "features" in keys:
         return "geojson"
     return "houseexpo" if "verts" in keys else "resplan"
+
+
+def _check_company(file: Path, options: dict[str, Any]) -> None:
+    """Refuse options that mean nothing without another one, or for a file that says it itself."""
+    if "label_table" in options and "labels" not in options:
+        raise click.UsageError("--label-table: says what --labels shows; expected --labels, too")
+    if "up" in options and file.suffix.lower() not in UPRIGHT:
+        known = ", ".join(UPRIGHT)
+        raise click.UsageError(f"--up: {file.name} has its own axes; expected it for {known} only")
 
 
 def _reader(format_: str, options: dict[str, Any]) -> Reader:

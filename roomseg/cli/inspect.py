@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from roomseg.cli.options import json_option
-from roomseg.cli.output import write_json, write_table
+from roomseg.cli.output import counted, write_json, write_table
 from roomseg.cli.sources import is_apartment
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
     pieces = ", ".join(f"{count} {kind}" for kind, count in s.pieces.items())
     passages = (
         f"{s.passages}, {s.framed_passages} framed, {s.passages_without_lintel} without lintel; "
-        f"{s.closed_passages} closed, {s.borders_without_wall} borders without a wall"
+        f"{s.closed_passages} closed, {counted(s.borders_without_wall, 'border')} without a wall"
     )
     return [
         ("apartment", s.name),
@@ -79,7 +79,7 @@ def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
         ("rooms", f"{len(s.rooms)} on {s.floor_area:.1f} m², {s.free_area:.1f} m² free"),
         ("passages", passages),
         ("windows", str(s.windows)),
-        ("light", f"{s.lighting}, {s.lamps} lamps of {s.lamp_power:.0f} W in all"),
+        ("light", f"{s.lighting}, {counted(s.lamps, 'lamp')} of {s.lamp_power:.0f} W in all"),
         ("contrast", s.passageway_contrast),
         ("pieces", f"{sum(s.pieces.values())}: {pieces}" if s.pieces else "none"),
         ("3D scene", "its own solids" if s.scene_file is None else s.scene_file),
@@ -118,4 +118,5 @@ def _ground_truth(summary: Summary) -> str:
     if summary.room_count is None:
         return "no"
     labels = "nodes labelled" if summary.nodes_labelled else "nodes not labelled"
-    return f"{summary.room_count} rooms, {summary.border_edge_count} border edges, {labels}"
+    rooms = counted(summary.room_count, "room")
+    return f"{rooms}, {counted(summary.border_edge_count or 0, 'border edge')}, {labels}"

@@ -41,17 +41,28 @@ class OutputFile(click.ParamType[Path]):
 
     name = "file"
 
+    def __init__(self, *suffixes: str) -> None:
+        self.suffixes = suffixes
+        """What the name has to end in; anything if there are none."""
+
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Refuse a folder, a map, and a file in a folder that is missing or not writable."""
+        """Refuse a folder, a device, a map, and a folder that is missing or not writable."""
         path = Path(value)
         if path.is_dir():
             self.fail(f"{path} is a folder, expected a file name", param, ctx)
         if path.suffix == ".h5" or _is_map(path):
             self.fail(f"{path} is a map and would be lost, expected another file name", param, ctx)
-        if not path.parent.is_dir():
-            self.fail(f"{path}: the folder {path.parent} does not exist", param, ctx)
-        if not os.access(path.parent, os.W_OK):
-            self.fail(f"{path}: the folder {path.parent} is not writable", param, ctx)
+        if path.exists() and not path.is_file():
+            self.fail(f"{path} is no regular file, expected another file name", param, ctx)
+        if self.suffixes and path.suffix.lower() not in self.suffixes:
+            ends = " or ".join(self.suffixes)
+            self.fail(f"{path}: expected a name that ends in {ends}", param, ctx)
+        # A link stays, and the file that it leads to is written.
+        folder = path.resolve().parent if path.is_symlink() else path.parent
+        if not folder.is_dir():
+            self.fail(f"{path}: the folder {folder} does not exist", param, ctx)
+        if not os.access(folder, os.W_OK):
+            self.fail(f"{path}: the folder {folder} is not writable", param, ctx)
         return path
 
 

@@ -21,7 +21,7 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["follow", "progress_bar", "write_json", "write_table"]
+__all__ = ["counted", "follow", "progress_bar", "write_json", "write_table"]
 
 
 MOST_COLUMNS = 1000
@@ -40,6 +40,11 @@ class _Rate(ProgressColumn):
         new = task.completed - task.fields.get("begin", 0)
         rate = _figures(60.0 * new / seconds) if seconds and new else "-"
         return Text(f"{rate} {self.unit}/min", no_wrap=True)
+
+
+def counted(number: int, noun: str) -> str:
+    """``1 room``, ``2 rooms``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _figures(value: float) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from roomseg.cli.options import output_option
+from roomseg.cli.options import FiniteRange, output_option
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,7 +33,7 @@ Example:
 @output_option("The film: .mp4, .webm or .gif.")
 @click.option(
     "--speed",
-    type=click.FloatRange(1.0, 1000.0),
+    type=FiniteRange(1.0, 1000.0),
     default=60.0,
     show_default=True,
     help="Times as fast as the robot.",

@@ -9,7 +9,7 @@ import click
 
 from roomseg.cli.features import check_ready, compute
 from roomseg.cli.options import json_option, seed_option
-from roomseg.cli.output import progress_bar, write_json
+from roomseg.cli.output import counted, progress_bar, write_json
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = """\b
 Example:
-  roomseg segment maps/home-7-run1.h5 --model model.skops --rooms 5
+  roomseg segment maps/home-7-run1.h5 --model model.skops
   roomseg view maps/home-7-run1.h5 --show rooms -o rooms.png
 """
 
@@ -68,7 +68,7 @@ def command(
     write_rooms(map_file, label, model=name, rooms=count)
     figures = _figures(map_file, name, topomap, label)
     write_json(json_file, figures)
-    line = f"{map_file}: {count} rooms by {name}"
+    line = f"{map_file}: {counted(count, 'room')} by {name}"
     impurity = figures["impurity"]
     click.echo(line if impurity is None else f"{line}, impurity {100 * impurity:.2f} %")
 

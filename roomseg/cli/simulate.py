@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import signal
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from datetime import datetime
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -163,22 +159,9 @@ def _simulate_all(runs: list[_Run], jobs: int, show: Show) -> Iterator[tuple[Pat
     if jobs == 1 or len(runs) < 2:
         yield from (_simulate(run, show) for run in runs)
         return
-    from dataset import RoomsegError
+    from roomseg.cli.parallel import in_processes
 
-    # Spawned, not forked: threads of numerical libraries do not survive a fork.
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_die_quietly)
-    try:
-        for future in as_completed([pool.submit(_simulate, run) for run in runs]):
-            yield future.result()
-    except BrokenProcessPool as error:
-        raise RoomsegError("a simulating process died; call the command again to go on") from error
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _die_quietly() -> None:
-    """Ctrl-C reaches the whole process group; only the parent has something to say about it."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    yield from in_processes(_simulate, runs, jobs)
 
 
 def _simulate(run: _Run, show: Show | None = None) -> tuple[Path, CoverageReport]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from roomseg.cli.options import output_option
 from roomseg.cli.panels import SHOWN, map_panels
@@ -73,6 +74,7 @@ def command(
     recorded in, too.
     """
     _check_name(output, PHOTOS if cutaway else DRAWINGS)
+    _check_options(("dpi",) if cutaway else ("size", "samples"), cutaway)
     if show and (cutaway or is_apartment(source)):
         raise click.UsageError(f"--show {show[0]}: says what to draw of a map, not of an apartment")
     if cutaway:
@@ -93,6 +95,15 @@ def _check_name(output: Path, suffixes: tuple[str, ...]) -> None:
     if output.suffix.lower() not in suffixes:
         known = " or ".join(suffixes)
         raise RoomsegError(f"{output}: not a picture's name, expected one that ends in {known}")
+
+
+def _check_options(without_use: tuple[str, ...], cutaway: bool) -> None:
+    """Refuse options that the other kind of picture has."""
+    context = click.get_current_context()
+    for name in without_use:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            kind = "a drawing, not of --cutaway" if cutaway else "--cutaway only"
+            raise click.UsageError(f"--{name}: an option of {kind}")
 
 
 def _apartment(source: Path) -> Apartment:

@@ -141,6 +141,7 @@ def _swaps(rng: np.random.Generator) -> dict[str, str]:
         "fabric_grey": cloths[0],
         "fabric_beige": cloths[1],
         "boxes:fabric_beige": cloths[2],
+        "boxes:fabric_red": cloths[2],
         "cover:fabric_blue": covers[0],
         "cover:fabric_green": covers[1],
         "cover:fabric_red": covers[2],

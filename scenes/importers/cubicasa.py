@@ -28,6 +28,7 @@ from shapely import Polygon
 
 from scenes.apartment import Point, RoomKind
 from scenes.errors import SceneError
+from scenes.faults import shape_fault
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanFixture, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
@@ -149,8 +150,10 @@ def read_cubicasa(
     """
     check_scale(path, scale)
     groups = _Groups(path)
-    groups.walk(_root(path), np.eye(3))
+    root = _root(path)
+    groups.walk(root, np.eye(3))
     if not groups.spaces:
+        _refuse_own(path, root)
         raise SceneError(f"{path}: no group of class 'Space'; expected {FORMAT}")
     if scale is None:
         doors = [
@@ -163,6 +166,16 @@ def read_cubicasa(
     check_extent(path, [room.shape for room in drawing.rooms], scale)
     options = PlanOptions(ceiling_height, furnish=furnish, add_doors=add_doors, start=start)
     return built(path, drawing, name, options)
+
+
+def _refuse_own(path: str | Path, root: Element) -> None:
+    """Refuse the plans that `scenes.exporters.svg` draws."""
+    ids = {group.get("id") for group in root if _tag(group) == "g"}
+    if {"rooms", "furniture", "labels", "scale"} <= ids:
+        raise SceneError(
+            f"{path}: a plan that `roomseg export` drew; SVG plans are for looking at only; "
+            f"expected a .geojson of it, which can be read back"
+        )
 
 
 def _root(path: str | Path) -> Element:
@@ -243,8 +256,8 @@ class _Groups:
             return None
         shape = Polygon(points * (1.0, -1.0))
         if first == "Space" and not shape.is_valid:
-            reason = shapely.is_valid_reason(shape)
-            raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
+            fault = shape_fault(Polygon(points))
+            raise SceneError(f"{self.path}: {label}: {fault}; expected a simple polygon")
         if not shape.is_valid:
             shape = shape.convex_hull
             self.notes.append(f"{label}: its outline crosses itself; the hull around it is used")

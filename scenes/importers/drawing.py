@@ -26,6 +26,7 @@ __all__ = [
     "PlanRoom",
     "free_name",
     "long_axis",
+    "renamed",
 ]
 
 
@@ -99,6 +100,11 @@ def free_name(text: str, taken: Iterable[str]) -> str:
         count += 1
         free = f"{name}_{count}"
     return free
+
+
+def renamed(label: str, name: str, chosen: str) -> str:
+    """The note on a name that an apartment's file does not allow."""
+    return f"{label}: {name!r:.60} is no name for a room; called {chosen!r}"
 
 
 def long_axis(shape: shapely.Geometry) -> NDArray[np.float64]:

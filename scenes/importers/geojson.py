@@ -43,6 +43,7 @@ from shapely import Polygon
 
 from scenes.apartment import Block, Lamp, Passage, Piece, Point, Room, Start, Wall, Window
 from scenes.errors import SceneError
+from scenes.faults import shape_fault, value_fault
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanFixture, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
@@ -58,6 +59,7 @@ FORMAT = "a GeoJSON FeatureCollection"
 FAR = 400.0
 """Plans farther from the origin are moved there, m."""
 DEGREES = ("crs84", "epsg::4326", "epsg:4326")
+LAYERS = ("room", "wall", "door", "window", "furniture", "block", "border", "lamp", "start")
 OWN = ("description", "lighting", "passageway_contrast", "materials")
 
 
@@ -96,6 +98,7 @@ def read_geojson(
     own = data.get("apartment") or {}
     if not isinstance(own, dict):
         raise SceneError(f"{path}: apartment: {own!r:.60}; expected an object")
+    _refuse_no_layers(path, data["features"])
     reader = _Layers(path, 1.0 if scale is None else scale)
     rooms = [*_room_shapes(data["features"], reader.scale)]
     check_extent(path, rooms, scale)
@@ -117,6 +120,16 @@ def _room_shapes(features: list[Any], scale: float) -> Iterator[shapely.Geometry
                 yield _geometry(geometry["type"], geometry["coordinates"], scale)
         except (TypeError, ValueError, LookupError, shapely.errors.ShapelyError):
             continue
+
+
+def _refuse_no_layers(path: str | Path, features: list[Any]) -> None:
+    """Refuse a file of another program, in which nothing says what it is."""
+    found = [item.get("properties") for item in features if isinstance(item, dict)]
+    if found and not any(isinstance(item, dict) and "layer" in item for item in found):
+        raise SceneError(
+            f"{path}: no feature has a property 'layer'; expected one in each, that says what it "
+            f"is: {', '.join(LAYERS)}"
+        )
 
 
 def _refuse_degrees(path: str | Path, crs: object) -> None:
@@ -172,10 +185,8 @@ class _Layers:
             "start": self._start,
         }
         if not isinstance(layer, str) or layer not in makers:
-            self.notes.append(
-                f"{label}: layer {layer!r:.40}; expected one of {', '.join(map(str, makers))}; "
-                f"left out"
-            )
+            told = "no property 'layer'" if layer is None else f"layer {layer!r:.40}"
+            self.notes.append(f"{label}: {told}; expected one of {', '.join(LAYERS)}; left out")
             return
         label = f"{label} ({layer})"
         fields = {key: value for key, value in properties.items() if key != "layer"}
@@ -227,8 +238,9 @@ class _Layers:
 
     def _need_simple(self, label: str, part: Polygon) -> None:
         if not part.is_valid:
-            reason = shapely.is_valid_reason(part)
-            raise SceneError(f"{self.path}: {label}: {reason}; expected a simple polygon")
+            raise SceneError(
+                f"{self.path}: {label}: {shape_fault(part)}; expected a simple polygon"
+            )
 
     def _make(self, label: str, model: type[BaseModel], fields: Mapping[str, Any]) -> Any:
         """An object of a model; unknown fields become notes, bad values an error."""
@@ -244,7 +256,7 @@ class _Layers:
             fault = error.errors(include_url=False)[0]
             where = ".".join(str(item) for item in fault["loc"]) or "properties"
             raise SceneError(
-                f"{self.path}: {label}: {where}: {fault['input']!r:.40}: {fault['msg']}"
+                f"{self.path}: {label}: {where}: {fault['input']!r:.40}; {value_fault(fault)}"
             ) from None
 
     def _room(self, label: str, part: shapely.Geometry, fields: dict[str, Any]) -> None:

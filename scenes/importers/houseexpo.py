@@ -29,8 +29,9 @@ from shapely import Polygon
 
 from scenes.apartment import Point, RoomKind
 from scenes.errors import SceneError
+from scenes.faults import shape_fault
 from scenes.importers import Imported
-from scenes.importers.drawing import free_name
+from scenes.importers.drawing import free_name, renamed
 from scenes.importers.free_space import free_space_apartment
 from scenes.importers.plan_file import check_extent, check_scale
 from scenes.importers.reading import read_json
@@ -145,8 +146,7 @@ def _floor(path: str | Path, verts: Any, scale: float | None) -> Polygon:
     floor = Polygon(points * (1.0 if scale is None else scale))
     check_extent(path, [floor], scale)
     if not floor.is_valid:
-        reason = shapely.is_valid_reason(floor)
-        raise SceneError(f"{path}: verts: {reason}; expected a simple outline")
+        raise SceneError(f"{path}: verts: {shape_fault(floor)}; expected a simple outline")
     return floor
 
 
@@ -182,6 +182,7 @@ def _rooms(
     ]
     rooms: list[tuple[str, RoomKind, Polygon]] = []
     named: set[str] = set()
+    notes: list[str] = []
     for cell in sorted(cells, key=lambda cell: (-cell.area, cell.bounds)):
         box = _best_box(cell, boxes)
         taken = [room[0] for room in rooms]
@@ -192,8 +193,11 @@ def _rooms(
         known = [category for category in CATEGORIES if category in box.names]
         category = known[0] if known else box.names[0]
         kind = CATEGORIES.get(category, "other")
-        rooms.append((free_name(category, taken), kind, cell))
-    notes = [f"{box.label}: names no room; left out" for box in boxes if box.label not in named]
+        name = free_name(category, taken)
+        rooms.append((name, kind, cell))
+        if free_name(category, ()) != category:
+            notes.append(renamed(box.label, category, name))
+    notes += [f"{box.label}: names no room; left out" for box in boxes if box.label not in named]
     return rooms, notes
 
 

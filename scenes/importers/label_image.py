@@ -18,7 +18,7 @@ from scipy import ndimage
 
 from scenes.apartment import RoomKind
 from scenes.errors import SceneError
-from scenes.importers.drawing import free_name
+from scenes.importers.drawing import free_name, renamed
 from scenes.importers.pictures import read_picture
 from scenes.importers.rooms import SMALLEST
 from scenes.importers.tables import read_rows
@@ -89,7 +89,8 @@ def read_label_image(
             f"{path}: {values.shape[1]} x {values.shape[0]} pixels; expected those of the map, "
             f"{free.shape[1]} x {free.shape[0]}"
         )
-    meaning = {} if table is None else _read_table(Path(table), coloured)
+    notes: list[str] = []
+    meaning = {} if table is None else _read_table(Path(table), coloured, notes)
     label, values_of = _components(np.where(free, values, 0), resolution)
     if not values_of:
         raise SceneError(f"{path}: no room on any free cell; expected rooms that are not black")
@@ -100,7 +101,7 @@ def read_label_image(
         name, kind = meaning.get(value, ("", "other"))
         corner = (box[0].start, box[1].start)
         rooms.append(LabelledRoom(name, kind, label[box] == index + 1, corner))
-    notes = [
+    notes += [
         f"{table}: {name!r}: labels less than {SMALLEST:g} m² of free floor; left out"
         for value, (name, _) in meaning.items()
         if value not in values_of
@@ -167,8 +168,8 @@ def _fill(label: Ints, free: NDArray[np.bool_], resolution: float) -> tuple[Ints
     return np.where(free, full[tuple(nearest)], 0), int(unnamed.max())
 
 
-def _read_table(path: Path, coloured: bool) -> dict[int, tuple[str, RoomKind]]:
-    """Names and kinds by value."""
+def _read_table(path: Path, coloured: bool, notes: list[str]) -> dict[int, tuple[str, RoomKind]]:
+    """Names and kinds by value; notes are added on names that are none."""
     meaning: dict[int, tuple[str, RoomKind]] = {}
     for index, row in enumerate(read_rows(path, TABLE)):
         where = f"{path}: row {index + 1}"
@@ -180,7 +181,11 @@ def _read_table(path: Path, coloured: bool) -> dict[int, tuple[str, RoomKind]]:
         value = int(_code(*parts)) if coloured else parts[0]
         if value in meaning:
             raise SceneError(f"{where}: the label is that of an earlier row; expected another")
-        meaning[value] = (_clean(str(row.get("name") or "")), cast("RoomKind", kind))
+        name = str(row.get("name") or "")
+        clean = _clean(name)
+        if name.strip() and name != clean:
+            notes.append(renamed(where, name, clean))
+        meaning[value] = (clean, cast("RoomKind", kind))
     return meaning
 
 
@@ -197,4 +202,6 @@ def _byte(text: Any, where: str) -> int:
 
 def _clean(name: str) -> str:
     """A name as apartments have it; it may be empty."""
-    return name if re.fullmatch(NAME, name) or not name.strip() else free_name(name, ())
+    if not name.strip():
+        return ""
+    return name if re.fullmatch(NAME, name) else free_name(name, ())

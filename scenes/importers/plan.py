@@ -33,8 +33,15 @@ from shapely import Polygon
 from scenes.apartment import Apartment, Block, Frame, Point, Room, Start
 from scenes.checks import check, check_blocks, check_lamps
 from scenes.errors import SceneError
+from scenes.faults import value_fault
 from scenes.importers import Imported
-from scenes.importers.drawing import PlanDrawing, PlanOpening, PlanRoom, free_name
+from scenes.importers.drawing import (
+    PlanDrawing,
+    PlanOpening,
+    PlanRoom,
+    free_name,
+    renamed,
+)
 from scenes.importers.plan_fixtures import furnished, reached
 from scenes.importers.plan_openings import LEAST_WIDTH, Openings, place_openings
 from scenes.importers.plan_rooms import (
@@ -65,6 +72,7 @@ DOOR = 0.8
 NARROWER, NARROWINGS = 0.05, 4
 """By how much, m, and how often openings become narrower so that they do not overlap."""
 _FAULT = re.compile(r"(passages|windows|furniture|lamps)\[(\d+)\][^:]*: (.*)")
+_OPENING = re.compile(r"(passages|windows)\[(\d+)\]")
 MOST_ROOMS = 300
 OUTERMOST = 500.0
 """A home has no point further than this from the origin, m."""
@@ -113,14 +121,15 @@ def build_apartment(
     options = options or PlanOptions()
     if len(drawing.rooms) > MOST_ROOMS:
         raise SceneError(f"{len(drawing.rooms)} rooms; expected a home of at most {MOST_ROOMS}")
-    drawing = replace(_named(drawing), wall_shapes=solid_shapes(drawing.wall_shapes))
+    drawing, notes = _named(drawing)
+    drawing = replace(drawing, wall_shapes=solid_shapes(drawing.wall_shapes))
     fitted = fit_rooms(drawing, options.wall_thickness)
     if not fitted.rooms:
         raise SceneError("no room in it; expected at least one polygon of a room")
     _check_extent(fitted.rooms)
     drawing = with_islands(drawing, fitted.islands)
     shell, openings, left_out = _reachable(drawing, fitted.rooms, name, options)
-    notes = [*drawing.notes, *fitted.notes, *left_out]
+    notes = [*drawing.notes, *notes, *fitted.notes, *left_out]
     drawn = drawing.fields.get("start")
     if drawn and not options.start and drawn.position != shell.start.position:
         x, y = shell.start.position
@@ -181,13 +190,14 @@ def _reachable(
             added.append(door)
             notes.append(f"{door.label}: added")
             continue
+        near = [room for room, is_in in zip(rooms, inside, strict=True) if is_in]
         notes.extend(
             f"{room.label}: no open way for a robot of {ROBOT_RADIUS:g} m radius to "
-            f"{room.name!r} ({room.shape.area:.3g} m²); left out"
+            f"{room.name!r} ({room.shape.area:.3g} m²); left out{_remedy(near, room, options)}"
             for room, is_in in zip(rooms, inside, strict=True)
             if not is_in
         )
-        rooms = [room for room, is_in in zip(rooms, inside, strict=True) if is_in]
+        rooms = near
         # Doors to rooms that are left out are no windows.
         joining = set(openings.passage_labels)
         drawn = [replace(o, outside="closed") if o.label in joining else o for o in drawn]
@@ -284,7 +294,9 @@ def _without(
     field, index = fault[1], int(fault[2])
     items = list(getattr(apartment, field))
     del items[index]
-    note = f"{labels[field].pop(index)}: {fault[3]}; left out"
+    # What else the problem names is called as in the file, too.
+    reason = _OPENING.sub(lambda found: labels[found[1]][int(found[2])], fault[3])
+    note = f"{labels[field].pop(index)}: {reason}; left out"
     return apartment.model_copy(update={field: tuple(items)}), note
 
 
@@ -295,7 +307,9 @@ def _room(room: PlanRoom, ceiling_height: float) -> Room:
         return Room(name=room.name, kind=room.kind, polygon=corners(room.shape.exterior), **fields)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
-        raise SceneError(f"{room.label}: {fault['loc']}: {fault['msg']}") from None
+        where = ".".join(str(item) for item in fault["loc"])
+        message = f"{room.label}: {where}: {fault['input']!r:.60}; {value_fault(fault)}"
+        raise SceneError(message) from None
 
 
 def _start(
@@ -354,11 +368,19 @@ def _missing_door(rooms: Sequence[PlanRoom], inside: Sequence[bool]) -> PlanOpen
     return PlanOpening(f"{room.label}: a door to {room.name!r}", "door", start, end)
 
 
-def _named(drawing: PlanDrawing) -> PlanDrawing:
-    """The drawing with names for its rooms that a file allows, each given once."""
+def _remedy(near: Sequence[PlanRoom], room: PlanRoom, options: PlanOptions) -> str:
+    """What would keep a room that cannot be reached: a door, where one can be added."""
+    tried = options.add_doors or _missing_door([*near, room], [True] * len(near) + [False]) is None
+    return "" if tried else " (--add-doors would open a door to it)"
+
+
+def _named(drawing: PlanDrawing) -> tuple[PlanDrawing, list[str]]:
+    """The drawing with names for its rooms that a file allows, each given once; notes on others."""
     taken: list[str] = []
-    rooms = []
+    rooms, notes = [], []
     for room in drawing.rooms:
         taken.append(free_name(room.name, taken))
         rooms.append(replace(room, name=taken[-1]))
-    return replace(drawing, rooms=tuple(rooms))
+        if free_name(room.name, ()) != room.name:
+            notes.append(renamed(room.label, room.name, taken[-1]))
+    return replace(drawing, rooms=tuple(rooms)), notes

@@ -10,6 +10,7 @@ import shapely
 from pydantic import ValidationError
 
 from scenes.errors import SceneError
+from scenes.faults import value_fault
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, free_name
 from scenes.importers.plan import PlanOptions, build_apartment
@@ -96,5 +97,5 @@ def built(
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         where = ".".join(str(item) for item in fault["loc"])
-        message = " ".join(fault["msg"].split())
-        raise SceneError(f"{path}: {where}: {fault['input']!r:.60}: {message}") from None
+        message = f"{path}: {where}: {fault['input']!r:.60}; {value_fault(fault)}"
+        raise SceneError(message) from None

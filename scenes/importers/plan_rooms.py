@@ -17,6 +17,7 @@ from shapely import Polygon
 
 from scenes.apartment import Block, Point, Wall
 from scenes.errors import SceneError
+from scenes.faults import shape_fault
 from scenes.importers.drawing import PlanDrawing, PlanRoom, free_name
 from scenes.solids import GAP, block_footprint, polygons
 from scenes.wall_checks import TOLERANCE, is_thick
@@ -77,8 +78,8 @@ def fit_rooms(drawing: PlanDrawing, thickness: float) -> FittedRooms:
     """
     for room in drawing.rooms:
         if not room.shape.is_valid:
-            reason = shapely.is_valid_reason(room.shape)
-            raise SceneError(f"{room.label}: {reason}; expected a simple polygon")
+            fault = shape_fault(room.shape)
+            raise SceneError(f"{room.label}: {fault}; expected a simple polygon")
     notes: list[str] = []
     rooms = [replace(room, shape=_on_grid(room.shape)) for room in drawing.rooms]
     rooms = _clear(rooms, _covering(drawing))

@@ -9,7 +9,7 @@ a symbol or a word: a room's label or a fixture. What is read:
   lived-in first.
 - Balconies, stairs and pipe shafts (PS) are no rooms for a robot and left out.
 - A door to the outside is a window, as most of them are, but for the one nearest to
-  a label ``entrance``.
+  a label ``entrance``. Doors to pipe shafts and closets that are left out are closed.
 - Walls are 12 cm thick; the data set says nothing of it.
 """
 
@@ -56,6 +56,9 @@ THICKNESS = 0.12
 MOST_LINES = 5000
 DOOR_WIDTH, DOOR_QUANTILE = 0.75, 0.25
 """At the right scale a quarter of the doors (closets' and windows included) is narrower, m."""
+OPEN_AIR = ("balcony", "stairs")
+ACROSS, SEEN = 0.4, 0.05
+"""How far across a door rooms are looked for, and how much must be seen of one, m."""
 WIDEST_DOOR = 1.3
 """Wider ones are no front doors, m."""
 
@@ -186,23 +189,46 @@ def _joined(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def _drawing(lines: list[_Line], walls: list[Wall]) -> PlanDrawing:
     notes: list[str] = []
-    rooms = _rooms(lines, _enclosed(walls), notes)
-    entrances = [line.middle for line in lines if line.type == "entrance"]
+    faces = _enclosed(walls)
+    rooms = _rooms(lines, faces, notes)
     doors = [line for line in lines if line.type == "door"]
-    front = {_front_door(spot, doors).number for spot in entrances if doors}
+    indoors = _indoors(lines, rooms, faces)
+    outer = [door for door in doors if _leads_out(door, indoors)]
+    entrances = [line.middle for line in lines if line.type == "entrance"]
+    front = {_front_door(spot, outer).number for spot in entrances if outer}
+    glazed = {door.number for door in outer} - front
     known = {"wall", "door", *KINDS, *OUTSIDE, *FIXTURES, "washing_basin"}
     notes += [f"{x.label}: not used; left out" for x in lines if x.type not in known]
     return PlanDrawing(
         tuple(rooms),
         tuple(walls),
-        openings=tuple(_opening(door, rooms, door.number in front) for door in doors),
+        openings=tuple(_opening(door, door.number in glazed) for door in doors),
         fixtures=tuple(_fixtures(lines, rooms)),
         notes=tuple(notes),
     )
 
 
+def _indoors(lines: list[_Line], rooms: list[PlanRoom], faces: list[Polygon]) -> list[Polygon]:
+    """The faces that are no balcony and no stairs: rooms and pipe shafts."""
+    shapes = [room.shape for room in rooms]
+    air = shapely.union_all([line.middle for line in lines if line.type in OPEN_AIR])
+    return [*shapes, *(face for face in faces if face not in shapes and not face.intersects(air))]
+
+
+def _leads_out(door: _Line, indoors: list[Polygon]) -> bool:
+    """Whether a door is between a room and the outside."""
+    start, end = door.ends
+    length = float(np.hypot(*(end - start)))
+    if length == 0.0:
+        return False
+    across = np.array([start[1] - end[1], end[0] - start[0]]) / length * ACROSS
+    middle = (start + end) / 2
+    line = shapely.LineString([middle - across, middle + across])
+    return sum(bool(line.intersection(face).length > SEEN) for face in indoors) == 1
+
+
 def _front_door(spot: shapely.Point, doors: list[_Line]) -> _Line:
-    """The door nearest to a label ``entrance``, one of a door's width if there is any."""
+    """The outer door nearest to a label ``entrance``, one of a door's width if there is any."""
     narrow = [door for door in doors if np.abs(np.diff(door.ends, axis=0)).max() < WIDEST_DOOR]
     return min(narrow or doors, key=lambda door: float(spot.distance(door.middle)))
 
@@ -250,9 +276,9 @@ def _rooms(lines: list[_Line], faces: list[Polygon], notes: list[str]) -> list[P
     return rooms
 
 
-def _opening(door: _Line, rooms: list[PlanRoom], front: bool) -> PlanOpening:
+def _opening(door: _Line, glazed: bool) -> PlanOpening:
     start, end = (tuple(point) for point in np.round(door.ends, 4).tolist())
-    return PlanOpening(door.label, "door", start, end, "closed" if front else "window")
+    return PlanOpening(door.label, "door", start, end, "window" if glazed else "closed")
 
 
 def _fixtures(lines: list[_Line], rooms: list[PlanRoom]) -> Iterable[PlanFixture]:

@@ -25,6 +25,7 @@ from shapely import Polygon
 
 from scenes.apartment import Point, RoomKind
 from scenes.errors import SceneError
+from scenes.faults import shape_fault
 from scenes.importers import Imported
 from scenes.importers.drawing import PlanDrawing, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
@@ -138,8 +139,7 @@ def _polygons(path: str | Path, label: str, text: object) -> Iterator[Polygon]:
     for part in shapely.get_parts(shape):
         if part.geom_type == "Polygon" and part.length > 0.0:
             if not part.is_valid and label.partition("[")[0] in ROOMS:
-                reason = shapely.is_valid_reason(part)
-                raise SceneError(f"{path}: {label}: {reason}; expected a simple polygon")
+                raise SceneError(f"{path}: {label}: {shape_fault(part)}; expected a simple polygon")
             yield part
 
 

@@ -85,7 +85,7 @@ def part_floor(
     parted, lost = _absorb(owned, robot_floor)
     parted, cut = _open_rings(parted)
     named = _named(parted)
-    return named, (*_idle_borders(segments, named), *_missing(shapes, owned), *lost, *cut)
+    return named, (*_idle_borders(segments, named, floor), *_missing(shapes, owned), *lost, *cut)
 
 
 def shared_sides(rooms: Sequence[FloorRoom]) -> list[LineString]:
@@ -248,15 +248,29 @@ def _named(rooms: Sequence[FloorRoom]) -> list[FloorRoom]:
     return named
 
 
-def _idle_borders(segments: Floats, rooms: Sequence[FloorRoom]) -> list[str]:
-    """Borders along which no two rooms meet."""
+def _idle_borders(segments: Floats, rooms: Sequence[FloorRoom], floor: Polygon) -> list[str]:
+    """Borders along which no two rooms meet, and which of their ends is open."""
     sides = shapely.union_all(shared_sides(rooms))
-    return [
-        f"border {index + 1}, from {metres(ends[0])} to {metres(ends[1])}: parts no two rooms; "
-        f"left out"
-        for index, ends in enumerate(segments)
-        if sides.is_empty or not sides.dwithin(shapely.Point(ends.mean(axis=0)), REACH)
+    notes = []
+    for index, ends in enumerate(segments):
+        if sides.is_empty or not sides.dwithin(shapely.Point(ends.mean(axis=0)), REACH):
+            others = shapely.linestrings(np.delete(segments, index, axis=0))
+            walls = shapely.union_all([floor.boundary, *others])
+            notes.append(
+                f"border {index + 1}, from {metres(ends[0])} to {metres(ends[1])}: parts no two "
+                f"rooms{_open_ends(ends, floor, walls)}; left out"
+            )
+    return notes
+
+
+def _open_ends(ends: Floats, floor: Polygon, walls: shapely.Geometry) -> str:
+    """Which ends of a border are too far from the walls to meet them, and how far."""
+    found = [
+        f"the end at {metres(end)} is {walls.distance(spot):.2f} m from a wall"
+        for end, spot in zip(ends, shapely.points(ends), strict=True)
+        if floor.contains(spot) and walls.distance(spot) > REACH
     ]
+    return f": {' and '.join(found)}, expected at most {REACH:g} m" if found else ""
 
 
 def _missing(rooms: Sequence[RoomShape], owned: Sequence[FloorRoom]) -> list[str]:

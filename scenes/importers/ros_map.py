@@ -21,6 +21,7 @@ from shapely import affinity
 
 from scenes.apartment import Point
 from scenes.errors import SceneError
+from scenes.faults import value_fault
 from scenes.importers import Imported
 from scenes.importers.free_space import free_space_apartment
 from scenes.importers.label_image import LabelledRoom, read_label_image
@@ -248,7 +249,7 @@ def _fault(error: ValidationError) -> str:
         return f"{field}: missing; expected a value"
     value = first["input"]
     shown = repr(value)[:60] if isinstance(value, str | int | float) else type(value).__name__
-    return f"{field}: {shown}: {' '.join(first['msg'].split())}"
+    return f"{field}: {shown}; {value_fault(first)}"
 
 
 def _beside(path: Path, name: str) -> Path:

@@ -31,7 +31,7 @@ from dataset import (
     write_rooms,
 )
 from dataset import Path as DrivenPath
-from dataset.atomic import locked, replacing
+from dataset.atomic import locked, replacing, write_text
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 texts = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=20)
@@ -324,6 +324,66 @@ def test_replacing_needs_the_whole_body(tmp_path):
         1 / 0  # noqa: B018
     assert target.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_what_is_no_file_is_not_replaced_and_a_link_stays(tmp_path):
+    pipe, link, file = tmp_path / "pipe", tmp_path / "link", tmp_path / "file"
+    os.mkfifo(pipe)
+    with pytest.raises(RoomsegError, match="pipe: is no regular file"):
+        write_text(pipe, "new")
+    assert pipe.is_fifo()
+    file.write_text("old")
+    link.symlink_to(file)
+    write_text(link, "new")
+    assert link.is_symlink()
+    assert file.read_text() == "new"
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_a_body_that_cannot_read_is_not_one_that_cannot_write(tmp_path):
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "a") as part:
+        part.write_text((tmp_path / "b").read_text())
+    with pytest.raises(RoomsegError, match=r"no/a: cannot be written: No such file"):
+        write_text(tmp_path / "no" / "a", "new")
+
+
+CRAMPED = """
+import resource, sys
+import numpy as np
+from dataset import FrameJournal, RoomsegError, read_map, write_map, write_rooms
+path, limit, what = sys.argv[1], int(sys.argv[2]), sys.argv[3]
+resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+try:
+    if what == "write":
+        write_map(path, read_map(path))
+    elif what == "rooms":
+        write_rooms(path, np.zeros(8), model="m", rooms=1)
+    else:
+        with FrameJournal(path) as journal:
+            shape = journal.camera.image_size
+            journal.append(0, np.random.default_rng(0).integers(0, 255, shape, "u1"), 1.0)
+except RoomsegError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("limit", [0, 1000, 4096, 8000])
+@pytest.mark.parametrize("what", ["write", "rooms", "append"])
+def test_a_full_disk_is_one_line_and_nothing_is_lost(map_path, what, limit):
+    before = map_path.read_bytes()
+    assert len(before) > 8000
+    done = subprocess.run(
+        [sys.executable, "-c", CRAMPED, str(map_path), str(limit), what],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    name = f"{map_path}.frames" if what == "append" else str(map_path)
+    assert done.stdout == f"{name}: cannot be written: File too large\n"
+    assert map_path.read_bytes() == before
+    assert list(map_path.parent.iterdir()) == [map_path]
 
 
 def all_readers(path):

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +20,9 @@ from dataset import FormatError, FrameJournal, MapFile, RoomsegError, read_map, 
 from dataset.camera import FisheyeCamera
 from dataset.topomap import Nodes, Obstacles, TopoMap, Visits
 from render import Preset, render_map
+from render.lighting import missing_light
 from render.process import Job, RenderProcess
+from scenes import Apartment
 
 TINY = Preset("tiny", samples=1)
 N = 4
@@ -87,7 +90,9 @@ def test_every_node_has_an_exposed_image(whole: Path) -> None:
 
 def test_in_pieces_equals_in_one_go(whole: Path, tmp_path: Path) -> None:
     path = make_map(tmp_path / "map.h5")
-    assert render_map(path, preset=TINY, limit=2) == 2
+    seen: list[tuple[int, int]] = []
+    assert render_map(path, preset=TINY, limit=2, on_progress=lambda *a: seen.append(a)) == 2
+    assert seen == [(0, 2), (1, 2), (2, 2)]
     with MapFile(path) as file:
         assert file.done.tolist() == [True, True, False, False]
     assert render_map(path, preset=TINY, limit=9) == N - 2
@@ -189,7 +194,7 @@ def is_running(pid: int) -> bool:
         return False
 
 
-def test_the_child_does_not_outlive_a_killed_caller() -> None:
+def test_the_child_does_not_outlive_a_killed_caller(tmp_path: Path) -> None:
     room, camera, slow = boxed_room((0.0, 2.1)), FisheyeCamera(), Preset("slow", samples=4000)
     code = (
         "import numpy as np, sys, time; from render.process import Job, RenderProcess\n"
@@ -201,7 +206,7 @@ def test_the_child_does_not_outlive_a_killed_caller() -> None:
     caller = subprocess.Popen(
         [sys.executable, "-c", code, Job(room, camera, slow, 1).to_json()],
         stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": root},
+        env={**os.environ, "PYTHONPATH": root, "TMPDIR": str(tmp_path)},
     )
     assert caller.stdout is not None
     child = int(caller.stdout.readline())
@@ -211,6 +216,17 @@ def test_the_child_does_not_outlive_a_killed_caller() -> None:
     while is_running(child) and time.monotonic() < end:
         time.sleep(0.05)
     assert not is_running(child)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_killed_child_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with RenderProcess(Job(boxed_room((0.0, 2.1)), FisheyeCamera().resized(16), TINY)) as process:
+        assert [path.name[:15] for path in tmp_path.iterdir()] == ["roomseg-render-"]
+        process._child.kill()
+        with pytest.raises(RoomsegError, match="ended with -9"):
+            list(process.frames([0], np.zeros((1, 3))))
+    assert not list(tmp_path.iterdir())
 
 
 def test_maps_without_scene_or_poses_are_refused(tmp_path: Path) -> None:
@@ -218,6 +234,45 @@ def test_maps_without_scene_or_poses_are_refused(tmp_path: Path) -> None:
         render_map(make_map(tmp_path / "a.h5", poses=False), preset=TINY)
     with pytest.raises(FormatError, match="/scene: name: missing"):
         render_map(make_map(tmp_path / "b.h5", scene="{}"), preset=TINY)
+
+
+def lit(
+    windows: bool = True,
+    lamps: bool = True,
+    source: str = "exterior",
+    sky: float = 1,
+    sun: float = 0,
+) -> Apartment:
+    """The boxed room in another light."""
+    place = boxed_room((0.0, 2.1), source).model_dump()
+    place["lighting"] |= {"sky_strength": float(sky), "sun_strength": float(sun)}
+    for field, kept in (("windows", windows), ("lamps", lamps)):
+        place[field] = place[field] if kept else ()
+    return Apartment.model_validate(place)
+
+
+@pytest.mark.parametrize(
+    ("place", "right"),
+    [
+        (lit(windows=False), "'exterior': nothing gives light; expected `windows`.* or `lamps`"),
+        (lit(windows=False, lamps=False), "expected `windows` to the outside; or `lamps`"),
+        (lit(windows=False, lamps=False, source="mixed"), "expected `lamps` or `windows`"),
+        (lit(lamps=False, source="interior"), "expected `lamps`; or `windows`"),
+        (lit(sky=0), "expected a `sky_strength` above 0, or a sun"),
+    ],
+)
+def test_the_dark_is_refused(tmp_path: Path, place: Apartment, right: str) -> None:
+    path = make_map(tmp_path / "map.h5", scene=place.model_dump_json())
+    with pytest.raises(FormatError, match=rf"map.h5: /scene: lighting.source .*{right}") as dark:
+        render_map(path, preset=TINY)
+    assert "\n" not in str(dark.value)
+
+
+def test_one_light_is_enough() -> None:
+    assert missing_light(lit(windows=False, source="interior")) is None
+    assert missing_light(lit(windows=False, source="mixed")) is None
+    assert missing_light(lit(lamps=False)) is None
+    assert missing_light(lit(lamps=False, sky=0, sun=1)) is None
 
 
 def test_a_disc_between_pixels_is_refused(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from scene_makers import read_contents
 
+from dataset import RoomsegError
 from render.scene_export import write_scene
 from scenes import Apartment, SceneError, load_apartment
 from scenes.apartment import SceneFile
@@ -115,7 +116,7 @@ def test_what_cannot_be_written_is_one_line(place: Apartment, tmp_path: Path) ->
     own = place.model_copy(update={"scene_file": SceneFile(file="a.blend", sha256="0" * 64)})
     with pytest.raises(SceneError, match=r"is a.blend already"):
         write_scene(own, tmp_path / "sim3.glb")
-    with pytest.raises(SceneError, match=r"nowhere/a.glb: cannot be written: No such file") as no:
+    with pytest.raises(RoomsegError, match=r"nowhere/a.glb: cannot be written: No such file") as no:
         write_scene(place, tmp_path / "nowhere" / "a.glb")
     assert "\n" not in str(no.value)
     assert not list(tmp_path.iterdir())

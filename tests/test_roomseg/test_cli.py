@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -130,6 +131,10 @@ def test_unknown_command_and_option(folder, capsys):
         (["generate", "-o", "a.json", "--seed", "-1"], "-1 is not in the range"),
         (["generate", "-o", "a.json", "--contrast", "loud"], "'loud' is not one of"),
         (["simulate", "sim4", "--runs", "0"], "0 is not in the range"),
+        (["generate", "-o", "a.txt"], "a.txt: expected a name that ends in .json"),
+        (["generate", "-o", "a.json", "--clutter", "nan"], "nan is not a finite number"),
+        (["replay", "flat.h5", "-o", "a.gif", "--speed", "nan"], "nan is not a finite number"),
+        (["train", "flat.h5", "--C", "nan"], "nan is not a finite number"),
         (["train", "flat.h5", "--C", "0"], "0.0 is not in the range"),
         (["train", "flat.h5", "-o", "none/m.skops"], "the folder none does not exist"),
         (["view", "flat.h5"], "Missing option '-o'"),
@@ -411,6 +416,57 @@ def test_no_output_replaces_a_map(folder, capsys, arguments):
     assert Path("flat.h5").read_bytes() == before
     assert Path("map-by-another-name").read_bytes() == before
     assert not Path("new.h5").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("generate", "-o", "pipe.json"),
+        ("view", "flat.h5", "-o", "pipe.json"),
+        ("inspect", "flat.h5", "--json", "pipe.json"),
+    ],
+)
+def test_no_output_replaces_a_pipe_or_device(folder, capsys, arguments):
+    os.mkfifo("pipe.json")
+    assert "pipe.json is no regular file" in refused(capsys, *arguments)
+    assert Path("pipe.json").is_fifo()
+
+
+def test_output_through_a_link_goes_where_it_leads(folder, capsys):
+    Path("real").mkdir()
+    Path("figures.json").symlink_to("real/figures.json")
+    assert main(["inspect", "flat.h5", "--json", "figures.json"]) == 0
+    assert Path("figures.json").is_symlink()
+    assert json.loads(Path("real/figures.json").read_text())
+    Path("astray.json").symlink_to("none/figures.json")
+    capsys.readouterr()
+    assert "none does not exist" in refused(capsys, "inspect", "flat.h5", "--json", "astray.json")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("generate", "--rooms", "2", "-o", "a.json"),
+        ("view", "flat.h5", "-o", "a.png"),
+        ("view", "demo1", "--cutaway", "-o", "a.png"),
+        ("export", "demo1", "-o", "a.glb"),
+        ("export", "demo1", "-o", "a.blend"),
+        ("export", "demo1", "-o", "a.svg"),
+    ],
+    ids=lambda arguments: f"{arguments[0]} {arguments[-1]}",
+)
+def test_a_disk_that_is_full_in_the_middle_is_one_line(folder, arguments):
+    def cramp():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+    before = snapshot()
+    done = run(*arguments, preexec_fn=cramp)
+    assert done.returncode == 2
+    # With the file's name as it was given, and no other.
+    assert done.stderr.startswith(f"roomseg: error: {arguments[-1]}: cannot be written: ")
+    assert done.stderr.count("\n") == 1
+    assert "/" not in done.stderr
+    assert snapshot() == before
 
 
 def test_a_picture_has_a_pictures_name_and_a_date_is_iso(folder, capsys):

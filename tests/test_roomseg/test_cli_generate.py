@@ -94,7 +94,10 @@ def test_a_seed_without_apartment_stops_no_others(folder, monkeypatch, capsys):
         (("--rooms", "few", "-o", "a.json"), "'few' is neither a whole number nor a range"),
         (("--rooms", "2.5", "-o", "a.json"), "'2.5' is neither a whole number nor a range"),
         (("--rooms", "2-13", "-o", "a.json"), "13 is not in the range 1<=x<=12"),
-        (("--rooms", "5-2", "-o", "a.json"), "rooms: (5, 2); expected the smaller value first"),
+        (
+            ("--rooms", "5-2", "-o", "a.json"),
+            "'--rooms': 5-2; expected the smaller value first, 2-5",
+        ),
         (("--rooms", "-3", "-o", "a.json"), "-3 is not in the range"),
         (("--area", "nan", "-o", "a.json"), "nan is not in the range"),
         (("--area", "20", "--rooms", "8", "-o", "a.json"), "area: 20.0; expected 40 to 240"),

@@ -45,7 +45,7 @@ def said(capsys, *arguments):
 def test_a_ros_map_is_imported_with_its_notes_on_standard_error(folder, capsys):
     code, out, err = said(capsys, "import", "map.yaml", "-o", "home.json", "--name", "flat")
     assert code == 0
-    assert out == "home.json: 1 rooms, 2.0 m², 0 walls, 1 blocks, 0 pieces, 1 notes\n"
+    assert out == "home.json: 1 room, 2.0 m², 0 walls, 1 block, 0 pieces, 1 note\n"
     assert err == ["map.yaml: 1.0 m of the free cells' edge meet unknown ones: closed by a wall"]
     assert load_apartment(folder / "home.json").name == "flat"
 
@@ -103,6 +103,16 @@ def test_start_and_ceiling_reach_the_reader(folder, capsys):
             ["cut.pgm", "--scale", "0.05"],
             "cut.pgm: cut short: 5 of 4 x 4 pixels; expected all of them",
         ),
+        (
+            ["map.yaml", "--label-table", "map.yaml"],
+            "--label-table: says what --labels shows; expected --labels, too; see "
+            "`roomseg import --help`",
+        ),
+        (
+            ["flat.glb", "--up", "Z"],
+            "--up: flat.glb has its own axes; expected it for .obj, .ply, .stl only; see "
+            "`roomseg import --help`",
+        ),
         (["home.json"], "home.json: is an apartment already; nothing to import"),
         (["noise.json"], "noise.json: byte 0 is not text; expected a floor plan"),
     ],
@@ -110,6 +120,7 @@ def test_start_and_ceiling_reach_the_reader(folder, capsys):
 def test_faults_are_one_line_and_nothing_is_written(folder, capsys, arguments, line):
     (folder / "cut.pgm").write_bytes(b"P5 4 4 255\n12345")
     (folder / "home.json").write_text('{"format": "roomseg-apartment"}', encoding="utf-8")
+    (folder / "flat.glb").write_bytes(b"glTF")
     (folder / "noise.json").write_bytes(b"\xff\x00\xfe")
     code, out, err = said(capsys, "import", *arguments, "-o", "out.json")
     assert (code, out, err) == (2, "", [f"roomseg: error: {line}"])
@@ -142,7 +153,7 @@ def test_json_plans_are_told_apart_by_what_is_in_them(folder, capsys):
     for name in ("expo.json", "plan.json"):
         code, out, _ = said(capsys, "import", name, "-o", "out.json")
         assert code == 0
-        assert "1 rooms, 6.0 m²" in out
+        assert "1 room, 6.0 m²" in out
 
 
 def test_an_exported_map_comes_back_by_the_command(folder, capsys):
@@ -201,3 +212,18 @@ def test_an_imported_map_with_borders_can_be_cleaned(folder, capsys):
     assert truth is not None
     assert truth.room_count == 2
     assert truth.edge_is_border.any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said_of_it"),
+    [
+        (["a.png", "--samples", "4"], "--samples: an option of --cutaway only"),
+        (["a.png", "--size", "500"], "--size: an option of --cutaway only"),
+        (["a.png", "--cutaway", "--dpi", "90"], "--dpi: an option of a drawing, not of --cutaway"),
+    ],
+)
+def test_options_of_the_other_kind_of_picture_are_refused(folder, capsys, arguments, said_of_it):
+    code, out, err = said(capsys, "view", "demo1", "-o", *arguments)
+    assert (code, out) == (2, "")
+    assert err == [f"roomseg: error: {said_of_it}; see `roomseg view --help`"]
+    assert not (folder / "a.png").exists()

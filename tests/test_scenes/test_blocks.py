@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from shapely import Point, Polygon
 
-from scenes.apartment import Apartment, Block, Passage, Room, Skirting, Start, Wall
+from scenes.apartment import Apartment, Block, Passage, Piece, Room, Skirting, Start, Wall
 from scenes.checks import check
 from scenes.passages import reachable_positions, room_borders
 from scenes.solids import apartment_solids, floor_area, floor_region, obstacles
@@ -63,7 +63,10 @@ def test_step_of_the_ceiling_hangs_over_the_floor():
 @pytest.mark.parametrize(
     ("block", "said"),
     [
-        (Block(polygon=((0, 0), (1, 1), (1, 0), (0, 1))), "blocks[0].polygon: Self-intersection"),
+        (
+            Block(polygon=((0, 0), (1, 1), (1, 0), (0, 1))),
+            "blocks[0].polygon: crosses itself at (0.5, 0.5)",
+        ),
         (Block(polygon=((0, 0), (1, 0), (1, 1)), bottom=2.0, top=1.0), "blocks[0].top: 1 m"),
         (Block(polygon=((0, 0), (1, 0), (1, 1)), material="woood"), "did you mean 'wood'?"),
     ],
@@ -95,3 +98,40 @@ def test_skirting_follows_the_walls_and_stops_at_openings():
     around = Polygon(COLUMN.polygon).buffer(0.02, join_style="mitre").area - 0.04
     assert area == pytest.approx(9.0 - inner.area - 0.02 * 2.96 + around, rel=0.02)
     assert not any(s.footprint.intersects(Point(2.99, 1.5)) for s in solids)
+
+
+@pytest.mark.parametrize(("bottom", "seen"), [(2.49, True), (2.5, False), (3.0, False)])
+def test_a_step_above_the_ceiling_is_told(bottom, seen):
+    step = STEP.model_copy(update={"bottom": bottom})
+    assert list(check(flat(blocks=(SHELL, step)))) == (
+        []
+        if seen
+        else [
+            f"blocks[1].bottom: {bottom:g} m is not below the ceiling of 'left'; expected less "
+            f"than 2.5 m for a step of the ceiling"
+        ]
+    )
+
+
+def test_a_step_over_two_rooms_may_be_below_one_ceiling_only():
+    high = RIGHT.model_copy(update={"ceiling_height": 3.0})
+    across = ((2.5, 1), (3.5, 1), (3.5, 2), (2.5, 2))
+    step = Block(polygon=across, bottom=2.7)
+    assert list(check(flat(rooms=(LEFT, high), blocks=(SHELL, step)))) == []
+
+
+@pytest.mark.parametrize(
+    ("position", "said"),
+    [
+        # A box covers the whole column; another reaches 4 cm into it, or 5 cm into
+        # the wall.
+        ((1.5, 1.5), "reaches 0.200 m into the masonry of 'left', blocks[1]"),
+        ((1.19, 1.5), "reaches 0.040 m into the masonry of 'left', blocks[1]"),
+        ((0.2, 2.2), "reaches 0.050 m into the masonry of 'left', blocks[0]"),
+        ((2.2, 1.5), "reaches 0.400 m into blocks[2]; expected beside, below or above it"),
+    ],
+)
+def test_a_piece_in_a_block_is_told(position, said):
+    box = Piece(kind="box", position=position, size=(0.5, 0.5, 2.4))
+    (problem,) = check(flat(furniture=(box,)))
+    assert said in problem

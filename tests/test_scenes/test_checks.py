@@ -42,7 +42,7 @@ CASES = {
     ),
     "crossed polygon": (
         changed("rooms", 0, polygon=[[0, 0], [4, 3], [4, 0], [0, 3]]),
-        "rooms[0].polygon: Self-intersection[2 1.5]; expected a simple polygon",
+        "rooms[0].polygon: crosses itself at (2, 1.5); expected a simple polygon",
     ),
     "tiny room": (
         changed("rooms", 0, polygon=[[0, 0], [0.2, 0], [0, 0.2]]),

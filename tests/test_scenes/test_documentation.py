@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
-from scenes import apartment_from_json, check, reachable_positions
+from scenes import Apartment, apartment_from_json, check, reachable_positions
+from scenes.apartment import Block, Room, RoomKind
 from scenes.materials import BUILT_IN
 from scenes.pieces import KINDS
 from test_scenes.places import two_rooms
@@ -27,6 +29,20 @@ ROWS = {
 def test_example_is_a_good_apartment():
     place = apartment_from_json(PAGE.split("```json")[1].split("```")[0])
     assert len(reachable_positions(place)) > 1000
+
+
+EXAMPLES = [json.loads(part.split("```")[0]) for part in PAGE.split("```json")[1:]]
+
+
+@pytest.mark.parametrize("fields", EXAMPLES[1:], ids=lambda fields: next(iter(fields)))
+def test_further_fields_go_with_the_example(fields):
+    assert list(check(Apartment.model_validate(EXAMPLES[0] | fields))) == []
+
+
+def test_the_page_says_what_an_apartment_and_a_room_may_have():
+    fields = {*Apartment.model_fields, *Block.model_fields, *Room.model_fields}
+    assert [name for name in sorted(fields) if not re.search(rf"\b{name}\b", PAGE)] == []
+    assert all(f"`{kind}`" in PAGE for kind in get_args(RoomKind))
 
 
 def test_examples_of_pieces_and_materials_are_good():

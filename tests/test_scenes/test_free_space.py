@@ -160,6 +160,14 @@ def test_a_room_without_floor_and_an_idle_border_are_told():
     rooms = [("a", "office", LEFT), ("b", "office", RIGHT), ("far", "office", box(9, 9, 11, 10))]
     result = imported(rooms=rooms, borders=[[[0.5, 1.0], [1.5, 1.0]]])
     assert result.notes == (
-        "border 1, from (0.5, 1) to (1.5, 1): parts no two rooms; left out",
+        "border 1, from (0.5, 1) to (1.5, 1): parts no two rooms: the end at (0.5, 1) is 0.50 m "
+        "from a wall and the end at (1.5, 1) is 1.00 m from a wall, expected at most 0.1 m; "
+        "left out",
         "room 'far' of 2.0 m²: has no floor of its own; left out",
     )
+
+
+def test_the_open_end_of_a_border_is_told():
+    (note,) = imported(LEFT, borders=[[[1.0, 0.0], [1.0, 2.6]]]).notes
+    assert "the end at (1, 2.6) is 0.40 m from a wall, expected at most 0.1 m; left out" in note
+    assert "(1, 0) is" not in note

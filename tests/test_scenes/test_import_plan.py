@@ -301,6 +301,92 @@ def test_r2v_flat():
     assert "line 20 (special): not used; left out" in notes
 
 
+R2V = """
+10 10 410 10 wall
+410 10 410 310 wall
+10 310 410 310 wall
+10 10 10 310 wall
+10 150 410 150 wall
+370 10 370 50 wall
+370 50 410 50 wall
+200 150 240 150 door
+300 10 345 10 door
+60 310 140 310 door
+370 15 370 45 door
+200 130 240 148 entrance
+100 200 140 215 bedroom
+"""
+
+
+def test_r2v_the_outer_door_nearest_to_the_entrance_is_closed(tmp_path):
+    path = tmp_path / "plan.txt"
+    path.write_text(R2V.strip())
+    result = read_r2v(path, scale=0.02)
+    apartment = result.apartment
+    assert joined(apartment) == {frozenset({"entrance", "bedroom"})}
+    # 310 px down is y = 0: the front door is in the wall at the top.
+    doors = [p.position for p in apartment.passages if p.closed and p.position[1] > 5.9]
+    np.testing.assert_allclose(doors, [(6.25, 6.0)], atol=0.02)
+    # The door of the closet, too small for a room, is no window.
+    assert [w.position for w in apartment.windows] == [pytest.approx((1.8, 0.0), abs=0.02)]
+    assert sum("an unlabelled room" in note for note in result.notes) == 1
+
+
+def test_openings_are_called_as_in_the_file(tmp_path):
+    path = tmp_path / "plan.txt"
+    path.write_text(R2V.strip() + "\n210 150 235 150 door")
+    notes = read_r2v(path, scale=0.02).notes
+    assert "line 14 (door): the opening overlaps line 8 (door); expected wall between them; " in (
+        "\n".join(notes)
+    )
+    assert not any("passages[" in note for note in notes)
+
+
+def test_names_that_no_room_can_have_are_told(tmp_path):
+    room = feature("room", "Polygon", box(0, 0, 4, 4), name="Küche 1")
+    result = read_geojson(collection(tmp_path, room))
+    assert [r.name for r in result.apartment.rooms] == ["K_che_1"]
+    said = "features[0] (room) 'Küche 1': 'Küche 1' is no name for a room; called 'K_che_1'"
+    assert said in result.notes
+    path = tmp_path / "expo.json"
+    path.write_text('{"verts": [[0,0],[4,0],[4,3],[0,3]], "room_category": {"Küche": [[0,0,4,3]]}}')
+    said = "room_category Küche[0]: 'küche' is no name for a room; called 'k_che'"
+    assert said in read_houseexpo(path).notes
+
+
+def test_a_room_without_a_door_names_the_remedy(tmp_path):
+    rooms = [feature("room", "Polygon", box(*b)) for b in ((0, 0, 4, 4), (4.1, 0, 6.1, 3))]
+    far = feature("room", "Polygon", box(20, 0, 22, 3))
+    wall = feature("wall", "LineString", [[4.05, 0], [4.05, 4]], thickness=0.1)
+    path = collection(tmp_path, *rooms, far, wall)
+    remedy = [
+        n for n in read_geojson(path).notes if n.endswith("(--add-doors would open a door to it)")
+    ]
+    assert [note.split(" ")[0] for note in remedy] == ["features[1]"]
+    apart = [n for n in read_geojson(path, add_doors=True).notes if "--add-doors" in n]
+    assert apart == []
+
+
+def test_geojson_without_layers(tmp_path):
+    plain = {"type": "Feature", "properties": {"name": "a"}, "geometry": None}
+    line = fails(read_geojson, collection(tmp_path, plain, {**plain, "properties": None}))
+    assert "no feature has a property 'layer'; expected one in each" in line
+    assert "room, wall, door" in line
+    good = feature("room", "Polygon", box(0, 0, 4, 4))
+    notes = read_geojson(collection(tmp_path, good, plain)).notes
+    assert notes[0].startswith("features[1]: no property 'layer'; expected one of room, wall")
+
+
+def test_our_own_svg_is_not_for_reading(tmp_path):
+    from scenes import load_apartment
+    from scenes.exporters.svg import write_svg
+
+    path = tmp_path / "home.svg"
+    write_svg(load_apartment("demo1"), path)
+    line = fails(read_cubicasa, path, scale=0.01)
+    assert "SVG plans are for looking at only; expected a .geojson" in line
+
+
 # ---- one clear line -------------------------------------------------------------------------
 
 SCALE_ASKED = {
@@ -391,16 +477,20 @@ def test_a_scale_that_makes_a_home_of_kilometres():
 
 
 BAD_FEATURES = {
-    "Self-intersection": feature("room", "Polygon", [[[0, 0], [4, 4], [4, 0], [0, 4], [0, 0]]]),
+    "crosses itself at (2, 2); expected a simple polygon": feature(
+        "room", "Polygon", [[[0, 0], [4, 4], [4, 0], [0, 4], [0, 0]]]
+    ),
     "a Point; expected a Polygon": feature("room", "Point", [0, 0]),
     "coordinates: 0": feature("room", "Polygon", {"0": 1}),
-    "Hole lies outside shell": feature(
+    "has a hole outside of it at (5e+03, 0)": feature(
         "room", "Polygon", [box(0, 0, 4, 4)[0], [[5000, 0], [5001, 0], [5000, 1], [5000, 0]]]
     ),
     "geometry 'Blob'": feature("room", "Blob", [0, 0]),
     "coordinates: ": feature("room", "Polygon", [[["a", 0], [1, 1], [2, 2]]]),
     "kind: 'attic'": feature("room", "Polygon", box(0, 0, 4, 4), kind="attic"),
-    "thickness: -1": feature("wall", "LineString", [[0, 0], [1, 1]], thickness=-1),
+    "thickness: -1; expected above 0": feature(
+        "wall", "LineString", [[0, 0], [1, 1]], thickness=-1
+    ),
 }
 
 
@@ -453,11 +543,17 @@ CROSSING = [[1, 1], [2, 2], [2, 1], [1, 2], [1, 1]]
 @pytest.mark.parametrize(
     ("odd", "said"),
     [
-        (feature("block", "Polygon", [CROSSING]), "features[1] (block): Self-intersection"),
-        (feature("wall", "Polygon", [CROSSING]), "features[1] (wall): Self-intersection"),
+        (
+            feature("block", "Polygon", [CROSSING]),
+            "features[1] (block): crosses itself at (1.5, 1.5)",
+        ),
+        (
+            feature("wall", "Polygon", [CROSSING]),
+            "features[1] (wall): crosses itself at (1.5, 1.5)",
+        ),
         (
             feature("room", "Polygon", [box(0, 0, 4, 4)[0], CROSSING]),
-            "features[1] (room): Self-intersection",
+            "features[1] (room): crosses itself at (1.5, 1.5)",
         ),
         (
             feature("block", "Polygon", box(1, 1, 2, 2), bottom=1, top=0.5),
@@ -516,9 +612,9 @@ def test_an_svg_far_out_of_bounds(tmp_path):
 def test_self_crossing_outlines(tmp_path):
     path = tmp_path / "h.json"
     path.write_text('{"verts": [[0, 0], [4, 4], [4, 0], [0, 4]]}')
-    assert "verts: Self-intersection" in fails(read_houseexpo, path)
+    assert "verts: crosses itself at (2, 2)" in fails(read_houseexpo, path)
     path.write_text('{"living": ["POLYGON ((0 0, 4 4, 4 0, 0 4, 0 0))"]}')
-    assert "living[0]: Self-intersection" in fails(read_resplan, path, scale=1.0)
+    assert "living[0]: crosses itself at (2, 2)" in fails(read_resplan, path, scale=1.0)
     path.write_text('{"living": ["POLYGO"]}')
     assert "living[0]: 'POLYGO'; expected a POLYGON as WKT" in fails(read_resplan, path)
 
@@ -559,3 +655,11 @@ def suggested(reader, path, **options):
     with pytest.raises(SceneError) as error:
         reader(path, **options)
     return float(str(error.value).split("such as ")[1].split(" ")[0])
+
+
+@pytest.mark.parametrize("path", real_files("r2v/03-2d-489b*.txt"), ids=lambda path: path.stem[:8])
+def test_real_entrance_is_a_door(path):
+    apartment = read_r2v(path, scale=0.0144).apartment
+    # Line 7, in the wall at the top: 464 px above the lowest one.
+    (front,) = [p for p in apartment.passages if p.closed]
+    np.testing.assert_allclose(front.position, (99 * 0.0144, 464 * 0.0144), atol=0.02)

@@ -240,6 +240,9 @@ def test_labels_that_cannot_be_used(tmp_path):
     cv2.imwrite(str(rooms), good)
     table.write_text(head + "1,a,other\n9,b,other\n", encoding="utf-8")
     notes = read_ros_map(path, labels=rooms, label_table=table).notes
+    table.write_text(head + "1,Küche 1,other\n9,b,other\n", encoding="utf-8")
+    notes = read_ros_map(path, labels=rooms, label_table=table).notes
+    assert f"{table}: row 1: 'Küche 1' is no name for a room; called 'K_che_1'" in notes
     assert f"{table}: 'b': labels less than 0.5 m² of free floor; left out" in notes
 
 
@@ -252,23 +255,22 @@ def test_labels_that_cannot_be_used(tmp_path):
         ({"image": None}, "image: missing; expected a value"),
         ({"resolution": None}, "resolution: missing; expected a value"),
         ({"origin": None}, "origin: missing; expected a value"),
-        ({"resolution": "0.0"}, "resolution: 0.0: Input should be greater than 0"),
-        ({"resolution": "-0.05"}, "resolution: -0.05: Input should be greater than 0"),
-        ({"resolution": ".nan"}, "resolution: nan: Input should be a finite number"),
+        ({"resolution": "0.0"}, "resolution: 0.0; expected above 0"),
+        ({"resolution": "-0.05"}, "resolution: -0.05; expected above 0"),
+        ({"resolution": ".nan"}, "resolution: nan; expected a finite number"),
         (
             {"resolution": "five"},
-            "resolution: 'five': Input should be a valid number, unable to parse string as a "
-            "number",
+            "resolution: 'five'; expected a number",
         ),
         ({"origin": "[0, 0]"}, "origin[2]: missing; expected a value"),
-        ({"origin": "here"}, "origin: 'here': Input should be a valid tuple"),
+        ({"origin": "here"}, "origin: 'here'; expected a list"),
         (
             {"mode": "grey"},
-            "mode: 'grey': Input should be 'trinary', 'scale' or 'raw'",
+            "mode: 'grey'; expected 'trinary', 'scale' or 'raw'",
         ),
         (
             {"occupied_thresh": "65"},
-            "occupied_thresh: 65: Input should be less than or equal to 1",
+            "occupied_thresh: 65; expected at most 1",
         ),
         (
             {"free_thresh": "0.7"},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 
 import pytest
 from hypothesis import given, settings
@@ -110,12 +111,20 @@ def test_folder(tmp_path):
         ('{"name": "x", "name": "y"}', "field 'name' is given twice; expected once"),
         ('{"name": NaN}', "NaN is not a JSON number; expected a finite one"),
         ("[" * 100_000, "nested too deeply or a number too long"),
-        ("[]", "the file: []: Input should be an object"),
+        ("[]", "the file: []; expected an object with fields"),
         (dumped(colour=3), "colour: unknown field; expected one of format, format_version, name"),
         (dumped(wals=[]), "wals: unknown field; did you mean 'walls'?"),
-        (dumped(name="two rooms"), "name: 'two rooms': String should match pattern"),
-        (dumped(rooms=[]), "rooms: []: Tuple should have at least 1 item"),
-        (dumped(format_version=2), "format_version: 2: Input should be 1"),
+        (dumped(name="two rooms"), "name: 'two rooms'; expected letters, digits, '_', '.', '-'"),
+        (dumped(rooms=[]), "rooms: []; expected at least 1, not 0"),
+        (
+            dumped(blocks=[{"polygon": [[0, 0], [1, 1]]}]),
+            "blocks[0].polygon: [[0, 0], [1, 1]]; expected at least 3, not 2",
+        ),
+        (dumped(walls={"a": 1}), "walls: {'a': 1}; expected a list"),
+        (dumped(passages=[{"position": 4}]), "passages[0].position: 4; expected a list"),
+        (dumped(description=4), "description: 4; expected a text"),
+        (dumped(start={"position": [2000, 0]}), "start.position[0]: 2000; expected at most 1000"),
+        (dumped(format_version=2), "format_version: 2; expected 1"),
         (
             dumped(passages=[{"position": [4.05, 1.5], "widht": 1}]),
             "passages[0].widht: unknown field; did you mean 'width'?",
@@ -131,15 +140,15 @@ def test_folder(tmp_path):
         (dumped(passages=[{"width": 1.0}]), "passages[0].position: missing; expected a value"),
         (
             dumped(passages=[{"position": [4.05, 1.5], "width": -1}]),
-            "passages[0].width: -1: Input should be greater than 0",
+            "passages[0].width: -1; expected above 0",
         ),
         (
             dumped(passages=[{"position": [4.05, "1.5"]}]),
-            "passages[0].position[1]: '1.5': Input should be a valid number",
+            "passages[0].position[1]: '1.5'; expected a number",
         ),
         (
             dumped(lamps=[{"kind": "neon", "position": [1, 1]}]),
-            "lamps[0].kind: 'neon': Input should be 'ceiling', 'pendant', 'floor' or 'table'",
+            "lamps[0].kind: 'neon'; expected 'ceiling', 'pendant', 'floor' or 'table'",
         ),
         (
             dumped(passages=[{"position": [3, 1.5]}]),
@@ -156,6 +165,25 @@ def test_further_problems_are_counted(write):
     boxes = [{"kind": "box", "position": [k, 9]} for k in range(3)]
     assert refused(write(dumped(furniture=boxes))).endswith("(and 2 more problems)")
     assert refused(write(dumped(a=1, b=2))).endswith("(and 1 more problem)")
+
+
+def test_what_is_no_file_is_not_replaced_and_a_link_stays(tmp_path):
+    pipe, link, file = (tmp_path / f"{name}.json" for name in ("pipe", "link", "file"))
+    os.mkfifo(pipe)
+    with pytest.raises(SceneError, match=r"pipe\.json: is no regular file"):
+        save_apartment(two_rooms(), pipe)
+    assert pipe.is_fifo()
+    link.symlink_to(file)
+    save_apartment(two_rooms(), link)
+    assert link.is_symlink()
+    assert load_apartment(file) == two_rooms()
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_an_apartments_name_ends_in_json(tmp_path):
+    with pytest.raises(SceneError, match=r"home\.txt: .* ends in \.json"):
+        save_apartment(two_rooms(), tmp_path / "home.txt")
+    assert not list(tmp_path.iterdir())
 
 
 def test_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from scenes import Apartment, load_apartment, reference_names
 from scenes.summary import summarise_apartment
 
 from .places import AREA_A, AREA_B, framed, two_rooms
@@ -17,8 +18,8 @@ def test_rooms_passages_and_areas():
     ]
     assert summary.floor_area == pytest.approx(AREA_A + AREA_B)
     assert (summary.passages, summary.framed_passages, summary.closed_passages) == (1, 1, 0)
-    # The doorway's floor is free, too, between the boards that line it; the casing is not.
-    assert summary.free_area == pytest.approx(21.0 + 0.8 * 0.1 - 4 * 0.07 * 0.02)
+    # Without the doorway's floor, which no room has; the casing stands on the rooms'.
+    assert summary.free_area == pytest.approx(21.0 - 4 * 0.07 * 0.02)
 
 
 def test_pieces_and_lamps_are_counted():
@@ -38,3 +39,29 @@ def test_a_closed_door_leads_nowhere():
     assert [room.passages_to for room in summary.rooms] == [(), ()]
     assert (summary.passages, summary.closed_passages) == (0, 1)
     assert summary.passages_without_lintel == 0
+
+
+def test_rooms_open_to_each_other_lead_to_each_other():
+    rooms = [(0, 0, 3, 3), (3, 0, 6, 3), (3, 3, 6, 5)]
+    place = Apartment.model_validate(
+        {
+            "name": "open",
+            "rooms": [
+                {"name": name, "polygon": [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]}
+                for name, (x0, y0, x1, y1) in zip("abc", rooms, strict=True)
+            ],
+            "borders": [[[3, 0], [3, 3]], [[3, 3], [6, 3]]],
+            "start": {"position": [1, 1]},
+        }
+    )
+    summary = summarise_apartment(place)
+    # Rooms a and c meet in a corner only.
+    assert [room.passages_to for room in summary.rooms] == [("b",), ("a", "c"), ("b",)]
+    assert summary.free_area == pytest.approx(summary.floor_area) == pytest.approx(24.0)
+
+
+@pytest.mark.parametrize("name", reference_names())
+def test_no_more_floor_is_free_than_there_is(name):
+    summary = summarise_apartment(load_apartment(name))
+    assert 0.5 * summary.floor_area < summary.free_area <= summary.floor_area
+    assert all(room.passages_to for room in summary.rooms)
