@@ -225,6 +225,28 @@ def test_cut_off_at_any_byte_only_the_torn_frame_is_lost(tmp_path, topomap):
         assert_holds(path, [*expected, 7])
 
 
+@pytest.mark.parametrize("kept", [[], [2], [2, 5]])
+def test_a_full_disk_loses_the_frame_in_the_making_only(map_path, kept, monkeypatch):
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    with FrameJournal(map_path) as journal:
+        for node in kept:
+            journal.append(node, IMAGES[node], gain_of(node))
+        journal._open_stream()
+        with monkeypatch.context() as patch:
+            patch.setattr("dataset.journal.os.fsync", full)
+            with pytest.raises(RoomsegError, match=r"h5\.frames: cannot be written: No space left"):
+                journal.append(0, IMAGES[0], gain_of(0))
+        assert journal.done == set(kept)
+        assert journal_path(map_path).exists() == bool(kept)
+        journal.append(1, IMAGES[1], gain_of(1))
+    with FrameJournal(map_path) as journal:
+        assert journal.done == {*kept, 1}
+        journal.pack()
+    assert_holds(map_path, [*kept, 1])
+
+
 def test_damaged_record_is_dropped(map_path):
     with FrameJournal(map_path) as journal:
         for node in (2, 5):

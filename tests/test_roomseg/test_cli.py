@@ -448,7 +448,7 @@ def test_output_through_a_link_goes_where_it_leads(folder, capsys):
     [
         ("generate", "--rooms", "2", "-o", "a.json"),
         ("view", "flat.h5", "-o", "a.png"),
-        ("view", "demo1", "--cutaway", "-o", "a.png"),
+        pytest.param(("view", "demo1", "--cutaway", "-o", "a.png"), marks=pytest.mark.slow),
         ("export", "demo1", "-o", "a.glb"),
         ("export", "demo1", "-o", "a.blend"),
         ("export", "demo1", "-o", "a.svg"),
