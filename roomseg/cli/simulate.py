@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from scenes import Apartment
-    from simulator import CoverageReport
+    from simulator import CoverageReport, RobotSpec, SensorSpec
 
     Show = Callable[[int, float], None]
     """Told the nodes and the simulated seconds."""
@@ -32,12 +32,15 @@ class _Run:
     seed: int
     created: str
     output: Path
+    robot: RobotSpec
+    sensor: SensorSpec
 
 
 EXAMPLE = """\b
 Example:
   roomseg simulate home7.json --runs 3 -o maps
   roomseg simulate sim4 --runs 5 --seed 1 --jobs 2 -o maps
+  roomseg simulate sim4 --robot wide.toml -o wide
 """
 
 
@@ -55,6 +58,12 @@ Example:
     show_default=True,
     help="Folder of the map files; made if it is missing.",
 )
+@click.option(
+    "--robot",
+    "robot_file",
+    type=click.Path(path_type=Path),
+    help="Another robot, TOML: what differs from the paper's; see docs/robot.md.",
+)
 @jobs_option
 @click.option(
     "--created",
@@ -70,6 +79,7 @@ def command(
     runs: int,
     seed: int,
     output: Path,
+    robot_file: Path | None,
     jobs: int,
     created: str,
     force: bool,
@@ -83,14 +93,17 @@ def command(
     """
     from scenes import load_apartment
     from scenes.scene_file import take_scene_file
+    from simulator import RobotSpec, SensorSpec, read_specs
 
     _check_date(created)
+    robot, sensor = read_specs(robot_file) if robot_file else (RobotSpec(), SensorSpec())
     place = load_apartment(apartment)
     output.mkdir(parents=True, exist_ok=True)
     todo = []
     for number in range(1, runs + 1):
         path = output / f"{place.name}-run{number}.h5"
-        run = _Run(place, f"run{number}", run_seed(seed, number), created, path)
+        name = f"run{number}"
+        run = _Run(place, name, run_seed(seed, number), created, path, robot, sensor)
         if path.exists() and not force:
             _check_same(run)
             click.echo(f"{path}: already there")
@@ -108,8 +121,13 @@ def _check_same(run: _Run) -> None:
 
     topomap = read_map(run.output)
     place, seed = run.apartment.model_dump_json(), run.seed
-    if topomap.scene != place or topomap.seed != seed:
-        what = "apartment" if topomap.scene != place else "seed"
+    same = {
+        "apartment": topomap.scene == place,
+        "seed": topomap.seed == seed,
+        "robot": topomap.robot_radius == run.robot.radius,
+    }
+    if not all(same.values()):
+        what = next(name for name, agrees in same.items() if not agrees)
         raise RoomsegError(
             f"{run.output}: already there, but of another {what}; "
             "choose another folder, or simulate again (--force)"
@@ -172,9 +190,15 @@ def _simulate(run: _Run, show: Show | None = None) -> tuple[Path, CoverageReport
     from simulator import coverage_report, simulate
 
     topomap = simulate(
-        run.apartment, run=run.name, seed=run.seed, created=run.created, progress=show
+        run.apartment,
+        run=run.name,
+        seed=run.seed,
+        robot=run.robot,
+        sensor=run.sensor,
+        created=run.created,
+        progress=show,
     )
-    report = coverage_report(topomap, run.apartment)
+    report = coverage_report(topomap, run.apartment, lane_spacing=run.robot.lane_spacing)
     topomap = label_rooms(topomap)
     if journal_path(run.output).exists():
         # Frames of the map that is being replaced would not fit the new one.

@@ -280,3 +280,14 @@ def test_inspect_an_apartment(tmp_path, monkeypatch, capsys):
         assert room["name"] in shown
     for kind, count in figures["pieces"].items():
         assert f"{count} {kind}" in shown
+
+
+def test_another_robot_cleans(folder, capsys):
+    Path("wide.toml").write_text("[robot]\nradius = 0.17\n[sensor]\nbeams = 4\n")
+    succeed("simulate", "demo1", "--robot", "wide.toml", "-o", "wide")
+    topomap = read_map("wide/demo1-run1.h5")
+    assert topomap.robot_radius == 0.17
+    assert topomap.obstacles.beam.max() == 3
+    capsys.readouterr()
+    assert main(["simulate", "demo1", "-o", "wide"]) == 2
+    assert "already there, but of another robot" in capsys.readouterr().err

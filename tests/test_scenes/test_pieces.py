@@ -176,13 +176,14 @@ def test_pieces_do_not_hang_in_a_ceiling_step_or_stand_in_a_column():
     assert not list(check(two_rooms(furniture=[beam], blocks=[step])))
     (problem,) = check(two_rooms(furniture=[{**beam, "elevation": 1.9}], blocks=[step]))
     assert problem == (
-        "furniture[0] (ceiling_beam): reaches into blocks[0]; expected beside, below or above it"
+        "furniture[0] (ceiling_beam): reaches 0.150 m into blocks[0]; "
+        "expected beside, below or above it"
     )
     stub = {"polygon": [[1.9, 1.4], [2.1, 1.4], [2.1, 1.6], [1.9, 1.6]], "top": 1.0}
     (problem,) = check(
         two_rooms(furniture=[{"kind": "table", "position": [2, 1.5]}], blocks=[stub])
     )
-    assert "reaches into blocks[0]" in problem
+    assert "reaches 0.200 m into blocks[0]" in problem
 
 
 def test_unknown_slot_is_refused_with_a_hint():
