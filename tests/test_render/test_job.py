@@ -160,7 +160,9 @@ def test_an_interrupt_keeps_what_is_finished(
 
 def test_sigint_in_the_middle_then_resume(whole: Path, tmp_path: Path) -> None:
     path = make_map(tmp_path / "map.h5")
+    # A background job of a shell is started with SIGINT ignored.
     code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "import sys, time; from render import Preset, render_map\n"
         "def wait(done, total):\n"
         "    print(done, flush=True)\n"

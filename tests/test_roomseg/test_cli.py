@@ -340,7 +340,9 @@ def test_reader_that_has_had_enough(folder):
 
 
 def test_stopped_by_the_user_in_one_line(folder):
+    # A background job of a shell is started with SIGINT ignored.
     code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "import sys, time, roomseg.cli.inspect as i; from roomseg.cli.main import main\n"
         "def wait(**_): print('here', flush=True); time.sleep(60)\n"
         "i.command.callback = wait; sys.exit(main(['inspect', 'flat.h5']))"
