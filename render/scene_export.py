@@ -36,7 +36,7 @@ from render.blender import (
 from render.cycles import configure
 from render.lighting import add_lighting, lamp_radiance
 from render.presets import preset_named
-from render.scene_files import require_whole
+from render.scene_files import require_whole, save_blend
 from render.task import run_task
 from scenes.apartment import Apartment
 from scenes.errors import SceneError
@@ -101,7 +101,7 @@ def perform(bpy: Any, *, apartment: dict[str, Any], output: str) -> dict[str, An
                 filepath=output, export_format="GLB", export_lights=True, export_texcoords=False
             )
         else:
-            bpy.ops.wm.save_as_mainfile(filepath=output, compress=True)
+            save_blend(bpy, output)
     except RuntimeError as error:
         # Blender makes one of any error of its add-ons.
         if (failure := re.search(r"^OSError: (?:\[Errno \d+\] )?(.*)$", str(error), re.M)) is None:

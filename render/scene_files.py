@@ -26,7 +26,7 @@ import zstandard
 from render.usd_strings import usd_layers
 from scenes.errors import SceneError
 
-__all__ = ["FORMATS", "inspect_scene", "is_inside", "require_whole"]
+__all__ = ["FORMATS", "inspect_scene", "is_inside", "require_whole", "save_blend"]
 
 MOST_JSON = 200_000_000
 """Longest JSON of a glTF, bytes."""
@@ -108,6 +108,20 @@ def _blend(path: Path, stream: IO[bytes]) -> bool:
             f"file (Blender: Object > Relations > Make Local > All)"
         )
     return True
+
+
+def save_blend(bpy: Any, path: str) -> None:
+    """Write the open scene, compressed.
+
+    Raises
+    ------
+    OSError
+        If Blender notices that it cannot; see `require_whole` for when it does not.
+    """
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=path, compress=True)
+    except RuntimeError as error:
+        raise OSError(str(error).strip().removeprefix("Error: ")) from None
 
 
 def require_whole(path: Path) -> None:

@@ -33,7 +33,7 @@ from render.scene_evaluation import (
     sources_of_light,
     triangles_of,
 )
-from render.scene_files import inspect_scene, require_whole
+from render.scene_files import inspect_scene, require_whole, save_blend
 from render.task import run_task
 from scenes.apartment import Apartment, Lighting, Point, SceneFile
 from scenes.checks import check
@@ -257,7 +257,7 @@ def perform(
     np.savez(surface, corners=placed, owner=triangles.owner)
     made = plain_scene(bpy, scene, bodies, frame)
     light = sources_of_light(bpy, made)
-    bpy.ops.wm.save_as_mainfile(filepath=blend, compress=True)
+    save_blend(bpy, blend)
     return {"notes": notes + unused, "light": sorted(light)}
 
 

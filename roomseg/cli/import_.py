@@ -91,7 +91,7 @@ class NameType(click.ParamType[str]):
 
 @click.command("import", epilog=EXAMPLE)
 @click.argument("file", type=EXISTING)
-@output_option("The apartment, JSON.")
+@output_option("The apartment, JSON.", ".json")
 @click.option(
     "--format",
     "format_",

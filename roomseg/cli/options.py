@@ -100,10 +100,12 @@ jobs_option = click.option(
 )
 
 
-def output_option(text: str, default: str | None = None) -> Callable[[Command], Command]:
-    """Make ``-o FILE``; required if it has no default."""
+def output_option(
+    text: str, *suffixes: str, default: str | None = None
+) -> Callable[[Command], Command]:
+    """Make ``-o FILE`` with one of the suffixes; required if it has no default."""
     # An explicit default of None would make click take the option as given.
     given: dict[str, Any] = (
         {"required": True} if default is None else {"default": default, "show_default": True}
     )
-    return click.option("-o", "--output", type=OutputFile(), help=text, **given)
+    return click.option("-o", "--output", type=OutputFile(*suffixes), help=text, **given)

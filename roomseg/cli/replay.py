@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     Image = NDArray[np.uint8]
 
 CODECS = {".mp4": "mp4v", ".webm": "VP80"}
+FILMS = (*CODECS, ".gif")
 RATE = 25.0
 GIF_RATE = 10.0
 """Pictures per second; a GIF knows hundredths of a second only, and grows large."""
@@ -30,7 +31,7 @@ Example:
 
 @click.command("replay", epilog=EXAMPLE)
 @click.argument("map_file", metavar="MAP", type=click.Path(path_type=Path))
-@output_option("The film: .mp4, .webm or .gif.")
+@output_option("The film.", *FILMS)
 @click.option(
     "--speed",
     type=FiniteRange(1.0, 1000.0),
@@ -41,16 +42,12 @@ Example:
 @click.option("--height", type=click.IntRange(120, 2160), default=540, show_default=True, help="px")
 def command(*, map_file: Path, output: Path, speed: float, height: int) -> None:
     """Show a run with beams, estimate and truth, and the covered floor filling in."""
-    from dataset import RoomsegError, read_map
+    from dataset import read_map
     from roomseg.cli.output import follow, progress_bar
     from roomseg.cli.panels import outlines_of
     from roomseg.figures.replay import replay_frames
 
     kind = output.suffix.lower()
-    if kind not in (*CODECS, ".gif"):
-        raise RoomsegError(
-            f"{output}: not a film's name, expected one that ends in .mp4, .webm, .gif"
-        )
     topomap = read_map(map_file)
     rate = GIF_RATE if kind == ".gif" else RATE
     frames = replay_frames(

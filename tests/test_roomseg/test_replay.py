@@ -72,4 +72,4 @@ def test_gif_moves(run_file):
 
 def test_another_kind_of_file_is_refused(run_file, capsys):
     assert main(["replay", str(run_file), "-o", str(run_file.with_suffix(".avi"))]) == 2
-    assert "expected one that ends in .mp4, .webm, .gif" in capsys.readouterr().err
+    assert "expected a name that ends in .mp4 or .webm or .gif" in capsys.readouterr().err
