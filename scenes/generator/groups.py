@@ -17,13 +17,13 @@ __all__ = [
     "bath_or_shower",
     "bed",
     "desk",
+    "desk_place",
     "dining",
     "kitchen_row",
     "lounge",
     "round_dining",
     "small",
     "washbasin",
-    "workplace",
 ]
 
 CHAIR = (0.44, 0.48, 0.9)
@@ -188,7 +188,7 @@ def desk(width: float, *, kind: str = "desk") -> Group:
     return Group((behind(kind, (width, deep, 0.74)), chair), access, window=-0.4, corner=0.3)
 
 
-def workplace(rng: np.random.Generator) -> Group:
+def desk_place(rng: np.random.Generator) -> Group:
     """A desk that stands into the room with its short side at the wall."""
     width = float(rng.choice([1.4, 1.6]))
     table = Member("office_desk", (width, 0.75, 0.74), 0.0, -0.03 - width / 2, 90)

@@ -194,7 +194,7 @@ def _bathroom(rng: np.random.Generator, site: Site) -> Iterator[Choice]:
 
 def _office(rng: np.random.Generator, site: Site) -> Iterator[Choice]:
     desks = [groups.desk(1.6), groups.desk(1.4), groups.desk(1.2)]
-    yield [groups.workplace(rng), *desks] if rng.random() < 0.35 else desks
+    yield [groups.desk_place(rng), *desks] if rng.random() < 0.35 else desks
     yield [alone("bookcase", (w, 0.3, 2.1), front=0.4) for w in (1.6, 1.2, 0.8)]
     yield [alone("filing_cabinet", (0.45, 0.6, 0.72), front=0.4)]
 
