@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 from typing import NamedTuple
 
@@ -122,8 +123,8 @@ class MapGraph:
         """
         count = len(self)
         if running_lane >= 0 and self.lane and self.lane[-1] == running_lane:
-            # A lane's nodes are consecutive, and only the running lane is left out.
-            count = self.lane.index(running_lane)
+            # Lanes are numbered in order, and only the running, last one is left out.
+            count = bisect.bisect_left(self.lane, running_lane)
         return _distances(self._estimate, self._buckets, count, np.ascontiguousarray(points))
 
     def within(self, point: Floats, radius: float) -> NDArray[np.int64]:

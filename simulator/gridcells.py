@@ -248,7 +248,7 @@ def open_cells(cells: Cells, clearance: float) -> NDArray[np.uint8]:
     reach, limit = math.ceil(clearance / CELL), (clearance / CELL) ** 2
     for i in range(rows):
         for j in range(columns):
-            if is_blocked(cells.evidence, i, j):
+            if cells.evidence[i, j] >= BLOCKED and is_blocked(cells.evidence, i, j):
                 for x in range(max(i - reach, 0), min(i + reach + 1, rows)):
                     for y in range(max(j - reach, 0), min(j + reach + 1, columns)):
                         if (x - i) * (x - i) + (y - j) * (y - j) < limit:
