@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from scenes.apartment import Apartment
+from scenes.rooms import room_shapes
 from scenes.solids import WALL, Prism, apartment_solids, building_region
 
-__all__ = ["Mesh", "apartment_mesh", "prism_mesh", "solids_mesh"]
+__all__ = ["Mesh", "apartment_mesh", "prism_mesh", "solids_mesh", "wall_materials"]
 
 FACADE = "facade"
 Floats = NDArray[np.float64]
@@ -169,13 +170,13 @@ def _face_names(
     is_wall = names == WALL
     if is_wall.any():
         outlook = np.concatenate([shell.outlook for shell in shells])
-        names[is_wall] = _wall_names(apartment, outlook[is_wall])
+        names[is_wall] = wall_materials(apartment, outlook[is_wall])
     return names
 
 
-def _wall_names(apartment: Apartment, outlook: Floats) -> NDArray[np.str_]:
-    """``walls`` material of the room nearest to each point (k, 2); façade outside."""
-    shapes = np.array([Polygon(room.polygon) for room in apartment.rooms])
+def wall_materials(apartment: Apartment, outlook: Floats) -> NDArray[np.str_]:
+    """``walls`` material of the room nearest to each point (k, 2), m; façade outside."""
+    shapes = room_shapes(apartment)
     tree = shapely.STRtree(shapes)
     points = shapely.points(outlook)
     materials = np.array([room.walls for room in apartment.rooms] + [FACADE])

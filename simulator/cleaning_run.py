@@ -14,6 +14,7 @@ from dataset.errors import RoomsegError
 from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
 from scenes.passages import room_borders
+from scenes.rooms import room_shapes
 from scenes.solids import floor_region, obstacles
 from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
@@ -135,9 +136,8 @@ def _as_map(
 def _ground_truth(apartment: Apartment, positions: Floats, edges: NDArray[np.int32]) -> GroundTruth:
     """Borders of the plan, the edges that cross them, and how many rooms have nodes."""
     borders = np.asarray(room_borders(apartment), dtype=np.float64).reshape(-1, 2, 2)
-    rooms = shapely.polygons([shapely.linearrings(room.polygon) for room in apartment.rooms])
     points = shapely.points(positions)
-    visited = [bool(shapely.contains(room, points).any()) for room in rooms]
+    visited = [bool(shapely.contains(room, points).any()) for room in room_shapes(apartment)]
     return GroundTruth(
         borders=borders,
         frame="scene",

@@ -157,11 +157,11 @@ class Pilot:
         dodge : float
             After a glancing contact the line is moved aside, by so much in all, m.
         """
-        line = (self.position if start is None else start).copy()
+        line = self.position if start is None else start
         along_x, along_y = math.cos(heading), math.sin(heading)
         aside = _Aside(dodge)
         while True:
-            x, y, _ = (self.vehicle.estimate - np.array([*line, 0.0])).tolist()
+            x, y = (self.position - line).tolist()
             progress, cross = x * along_x + y * along_y, along_x * y - along_y * x
             if length - progress < 0.004:
                 return End.ARRIVED

@@ -1,12 +1,12 @@
 """What the beams hit and the wheels roll over: surfaces and floor covers of the true plan.
 
 The beams see what there is at their own height, which is not all that the body can
-touch: a cable on the floor is felt only, and a bar that hangs lower than the body is
-high may be below or above the beams. How bright a spot is depends on the surface;
+touch: a shower tray on the floor is felt only, and a bar that hangs lower than the body
+is high may be below or above the beams. How bright a spot is depends on the surface;
 its reflectance is the red part of the material's colour, as the lasers are red. Of
 clear glass hardly anything comes back.
 
-Rugs and thresholds up to 1 cm are driven over; while a wheel or the castor stands on
+Rugs, mats and cables up to 1 cm are driven over; while a wheel or the castor stands on
 one, the robot, and its camera with it, is tilted.
 """
 
@@ -22,6 +22,7 @@ from shapely import Polygon
 
 from scenes.apartment import Apartment
 from scenes.materials import LAMP_PREFIX, resolve
+from scenes.mesh import wall_materials
 from scenes.solids import WALL, Prism, apartment_solids
 
 __all__ = ["DRIVEN_OVER", "FloorCovers", "Surfaces", "boundary", "floor_covers", "seen_surfaces"]
@@ -95,7 +96,7 @@ def boundary(region: shapely.Geometry) -> Floats:
 
 
 def floor_covers(apartment: Apartment) -> FloorCovers:
-    """Rugs, mats and thresholds that the robot drives over."""
+    """Rugs, mats and cables that the robot drives over."""
     low = [p for p in apartment_solids(apartment) if p.bottom < DRIVEN_OVER / 2 and p.top > 0.0]
     low = [prism for prism in low if prism.top <= DRIVEN_OVER]
     return FloorCovers([p.footprint for p in low], [p.top for p in low])
@@ -107,16 +108,15 @@ def seen_surfaces(apartment: Apartment, height: float) -> Surfaces:
     walls = boundary(shapely.union_all([prism.footprint for prism in prisms]))
     if len(walls) == 0:
         return Surfaces(walls, np.zeros(0))
-    middle = shapely.points(walls.mean(axis=1))
+    middle = walls.mean(axis=1)
     outlines = shapely.boundary([prism.footprint for prism in prisms])
-    nearest = shapely.STRtree(outlines).nearest(middle)
+    nearest = shapely.STRtree(outlines).nearest(shapely.points(middle))
     return Surfaces(walls, _reflectance(apartment, [prisms[k] for k in nearest], middle))
 
 
-def _reflectance(apartment: Apartment, prisms: list[Prism], places: NDArray[np.object_]) -> Floats:
-    """Of each prism's material; walls take that of the nearest room."""
-    rooms = shapely.STRtree([Polygon(room.polygon) for room in apartment.rooms])
-    wall = [apartment.rooms[k].walls for k in rooms.nearest(places)]
+def _reflectance(apartment: Apartment, prisms: list[Prism], places: Floats) -> Floats:
+    """Of each prism's material at a place (k, 2), m; walls take that of the nearest room."""
+    wall = wall_materials(apartment, places).tolist()
     names = [w if p.material == WALL else p.material for p, w in zip(prisms, wall, strict=True)]
     known = {name: _of_material(apartment, name) for name in set(names)}
     return np.array([known[name] for name in names])

@@ -38,7 +38,7 @@ class World:
     surfaces : Surfaces, optional
         What there is at the height of the beams; default: the obstacles, white.
     covers : FloorCovers, optional
-        Rugs and thresholds that the robot drives over; default: none.
+        Rugs, mats and cables that the robot drives over; default: none.
     maximum_range : float
         Of the longest beam that will be cast, m.
 

@@ -20,6 +20,7 @@ from scenes.errors import SceneError
 from scenes.importers.drawing import PlanFixture
 from scenes.passages import ROBOT_RADIUS
 from scenes.pieces import KINDS, piece_parts
+from scenes.rooms import room_shapes
 from scenes.solids import obstacles, polygons, rooms_region
 
 __all__ = ["furnished", "reached"]
@@ -62,7 +63,7 @@ def furnished(
         If a fixture is of no kind that there is.
     """
     floor = rooms_region(apartment).difference(obstacles(apartment))
-    rooms = [Polygon(room.polygon) for room in apartment.rooms]
+    rooms = list(room_shapes(apartment))
     start = shapely.Point(apartment.start.position)
     pieces: list[Piece] = []
     labels: list[str] = []
