@@ -1,7 +1,7 @@
 """What a map is: arrays, the camera model, and the HDF5 map file."""
 
 from dataset.borders import crosses_border
-from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
+from dataset.camera import REAL_CAMERA, SIMULATED_CAMERA, FisheyeCamera
 from dataset.errors import FormatError, RoomsegError
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
@@ -10,6 +10,7 @@ from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, TopoMap, Visits
 from dataset.validation import problems
 
 __all__ = [
+    "REAL_CAMERA",
     "SIMULATED_CAMERA",
     "FisheyeCamera",
     "FormatError",

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SIMULATED_CAMERA", "FisheyeCamera"]
+__all__ = ["REAL_CAMERA", "SIMULATED_CAMERA", "FisheyeCamera"]
 
 
 @dataclass(frozen=True)
@@ -122,3 +122,11 @@ class FisheyeCamera:
 
 SIMULATED_CAMERA = FisheyeCamera()
 """The simulated robot's camera: a 464-pixel disc for 190° (§3.1)."""
+
+REAL_CAMERA = FisheyeCamera(
+    field_of_view=float(np.radians(185.0)),
+    disc_diameter=450.0,
+    image_size=(512, 640),
+    disc_centre=(256.0, 320.0),
+)
+"""The prototype's camera: a disc of about 450 pixels for about 185° in 640 x 512 (§3.1)."""

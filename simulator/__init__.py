@@ -2,12 +2,17 @@
 
 from simulator.cleaning_run import simulate
 from simulator.laser import SensorSpec
+from simulator.reference_set import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS, ReferenceRun
 from simulator.report import CoverageReport, coverage_report
 from simulator.robot import RobotSpec
 from simulator.spec_file import read_specs
 
 __all__ = [
+    "NEW_RUNS",
+    "NOVEL_RUNS",
+    "REFERENCE_RUNS",
     "CoverageReport",
+    "ReferenceRun",
     "RobotSpec",
     "SensorSpec",
     "coverage_report",

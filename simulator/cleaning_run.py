@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -10,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from dataset.borders import crosses_border
+from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
 from dataset.errors import RoomsegError
 from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
@@ -36,6 +38,7 @@ def simulate(
     start: tuple[float, float, float] | None = None,
     robot: RobotSpec | None = None,
     sensor: SensorSpec | None = None,
+    camera: FisheyeCamera = SIMULATED_CAMERA,
     created: str = "1970-01-01T00:00:00Z",
     progress: Callable[[int, float], None] | None = None,
 ) -> TopoMap:
@@ -52,6 +55,8 @@ def simulate(
         x m, y m, heading rad of the base; default: the apartment's.
     robot, sensor : optional
         Settings.
+    camera : FisheyeCamera
+        With which the images of the map are to be rendered.
     created : str
         ISO date to write into the map. Fixed by default, as a clock would make
         the same seed give different bytes.
@@ -89,7 +94,8 @@ def simulate(
         )
     vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
     CoverageStrategy(vehicle, progress).run()
-    return _as_map(apartment, vehicle, run=run, seed=seed, created=created)
+    topomap = _as_map(apartment, vehicle, run=run, seed=seed, created=created)
+    return replace(topomap, camera=camera)
 
 
 def _start_pose(apartment: Apartment, start: tuple[float, float, float] | None) -> Floats:

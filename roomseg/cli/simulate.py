@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from datetime import datetime
+from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from roomseg.cli.output import progress_bar, write_json
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from dataset import FisheyeCamera
     from scenes import Apartment
     from simulator import CoverageReport, RobotSpec, SensorSpec
 
@@ -34,6 +36,8 @@ class _Run:
     output: Path
     robot: RobotSpec
     sensor: SensorSpec
+    camera: FisheyeCamera
+    start: tuple[float, float, float] | None = None
 
 
 EXAMPLE = """\b
@@ -41,11 +45,18 @@ Example:
   roomseg simulate home7.json --runs 3 -o maps
   roomseg simulate sim4 --runs 5 --seed 1 --jobs 2 -o maps
   roomseg simulate sim4 --robot wide.toml -o wide
+  roomseg simulate --reference-set --jobs 2 -o maps
 """
 
 
 @click.command("simulate", epilog=EXAMPLE)
-@click.argument("apartment")
+@click.argument("apartment", required=False)
+@click.option(
+    "--reference-set",
+    is_flag=True,
+    help="The 31 runs of the reference set, five new ones and five in the additional place "
+    "(docs/places.md), instead of APARTMENT; each has its own seed, start and robot.",
+)
 @click.option(
     "--runs", type=click.IntRange(1, 1000), default=1, show_default=True, help="Cleaning runs."
 )
@@ -75,7 +86,8 @@ Example:
 @json_option
 def command(
     *,
-    apartment: str,
+    apartment: str | None,
+    reference_set: bool,
     runs: int,
     seed: int,
     output: Path,
@@ -91,28 +103,75 @@ def command(
     there are left alone, so that a stopped command can be called again. If the
     apartment has a 3D scene of its own, that is put beside the maps.
     """
+    _check_date(created)
+    if reference_set:
+        _check_alone(click.get_current_context())
+        wanted = _reference_set(output, created)
+    elif apartment is None:
+        raise click.UsageError("Missing argument 'APARTMENT', or --reference-set.")
+    else:
+        wanted = _runs_of(
+            apartment, robot_file, runs=runs, seed=seed, output=output, created=created
+        )
+    todo = []
+    for run in wanted:
+        if run.output.exists() and not force:
+            _check_same(run)
+            click.echo(f"{run.output}: already there")
+        else:
+            todo.append(run)
+    reports = _report_all(todo, jobs) if todo else {}
+    figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
+    write_json(json_file, {"seed": seed, "maps": figures})
+
+
+def _runs_of(
+    apartment: str, robot_file: Path | None, *, runs: int, seed: int, output: Path, created: str
+) -> list[_Run]:
+    """The runs asked for in one apartment; its own 3D scene is put beside the maps."""
+    from dataset import SIMULATED_CAMERA
     from scenes import load_apartment
     from scenes.scene_file import take_scene_file
     from simulator import RobotSpec, SensorSpec, read_specs
 
-    _check_date(created)
     robot, sensor = read_specs(robot_file) if robot_file else (RobotSpec(), SensorSpec())
     place = load_apartment(apartment)
     output.mkdir(parents=True, exist_ok=True)
-    todo = []
-    for number in range(1, runs + 1):
-        path = output / f"{place.name}-run{number}.h5"
-        name = f"run{number}"
-        run = _Run(place, name, run_seed(seed, number), created, path, robot, sensor)
-        if path.exists() and not force:
-            _check_same(run)
-            click.echo(f"{path}: already there")
-        else:
-            todo.append(run)
     take_scene_file(place, Path(apartment).parent, output)
-    reports = _report_all(place.name, todo, jobs) if todo else {}
-    figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
-    write_json(json_file, {"seed": seed, "maps": figures})
+    wanted = []
+    for number in range(1, runs + 1):
+        name, path = f"run{number}", output / f"{place.name}-run{number}.h5"
+        own_seed = run_seed(seed, number)
+        wanted.append(_Run(place, name, own_seed, created, path, robot, sensor, SIMULATED_CAMERA))
+    return wanted
+
+
+def _reference_set(output: Path, created: str) -> list[_Run]:
+    """All runs of the reference set."""
+    from scenes import load_apartment
+    from simulator import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS
+
+    output.mkdir(parents=True, exist_ok=True)
+    wanted = []
+    for run in (*REFERENCE_RUNS, *NEW_RUNS, *NOVEL_RUNS):
+        place, path = load_apartment(run.place), output / run.file_name
+        x, y, heading = run.start
+        start = (x, y, radians(heading))
+        wanted.append(
+            _Run(place, run.name, run.seed, created, path, run.robot, run.sensor, run.camera, start)
+        )
+    return wanted
+
+
+def _check_alone(context: click.Context) -> None:
+    """Refuse what would not be heeded beside --reference-set."""
+    given = click.core.ParameterSource.COMMANDLINE
+    for name, text in (
+        *(("apartment", "APARTMENT"), ("runs", "--runs")),
+        *(("seed", "--seed"), ("robot_file", "--robot")),
+    ):
+        if context.get_parameter_source(name) == given and context.params[name] is not None:
+            raise click.UsageError(f"{text} does not go with --reference-set, which says it all.")
 
 
 def _check_same(run: _Run) -> None:
@@ -134,14 +193,14 @@ def _check_same(run: _Run) -> None:
         )
 
 
-def _report_all(name: str, runs: list[_Run], jobs: int) -> dict[Path, CoverageReport]:
+def _report_all(runs: list[_Run], jobs: int) -> dict[Path, CoverageReport]:
     """Simulate, with a line of progress, and a line of figures for each run."""
     reports = {}
     with progress_bar("runs") as bar:
-        task = bar.add_task(name, total=len(runs))
+        task = bar.add_task("cleaning", total=len(runs))
 
         def show(nodes: int, seconds: float) -> None:
-            bar.update(task, description=f"{name}: {nodes} nodes, {seconds / 60:.0f} min")
+            bar.update(task, description=f"{nodes} nodes, {seconds / 60:.0f} min")
 
         for path, report in _simulate_all(runs, jobs, show):
             reports[path] = report
@@ -195,6 +254,8 @@ def _simulate(run: _Run, show: Show | None = None) -> tuple[Path, CoverageReport
         seed=run.seed,
         robot=run.robot,
         sensor=run.sensor,
+        camera=run.camera,
+        start=run.start,
         created=run.created,
         progress=show,
     )
