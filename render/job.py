@@ -9,7 +9,7 @@ pose and i alone: a map rendered in pieces equals one rendered in one go.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from pathlib import Path
 
@@ -35,6 +35,7 @@ def render_map(
     path: str | Path,
     *,
     preset: Preset,
+    nodes: Iterable[int] | None = None,
     limit: int | None = None,
     threads: int | None = None,
     device: Device = "auto",
@@ -48,6 +49,8 @@ def render_map(
     path : path
         Map file with ``/scene`` and ``/nodes/true_pose``.
     preset : Preset
+    nodes : iterable of int, optional
+        The nodes whose images are wanted; all if absent.
     limit : int, optional
         Render that many images at most.
     threads : int, optional
@@ -77,7 +80,8 @@ def render_map(
     camera = _camera(path, topomap, preset)
     with FrameJournal(path, camera, preset.name) as journal:
         try:
-            missing = [i for i in range(len(topomap.nodes)) if i not in journal.done][:limit]
+            wanted = range(len(topomap.nodes)) if nodes is None else sorted(set(nodes))
+            missing = [i for i in wanted if i not in journal.done][:limit]
             if on_progress is not None:
                 on_progress(len(journal.done), len(journal.done) + len(missing))
             if not missing:

@@ -49,7 +49,7 @@ SUBSETS = {
 """The feature vectors of §3.3 by the paper's names."""
 
 FROM_IMAGES = frozenset({"passageway", "d_c", "d_s"})
-"""The features that need an image of every node."""
+"""The features that need an image of every node that has an edge."""
 
 Floats = NDArray[np.float64]
 
@@ -158,7 +158,8 @@ def edge_features(
     if "passageway_width" in names:
         columns["passageway_width"] = passageway_widths(topomap, graph.edges, parameters.width)
     if FROM_IMAGES & set(names):
-        maxima, panoramas = _node_views(map_file, parameters, progress)
+        used = np.unique(graph.edges)
+        maxima, panoramas = _node_views(map_file, used, parameters, progress)
         columns["passageway"] = passageway_feature(
             maxima, topomap.nodes, graph.edges, parameters.lintel
         )
@@ -171,17 +172,21 @@ def edge_features(
 
 def _node_views(
     map_file: MapImages,
+    used: NDArray[np.int64],
     parameters: FeatureParameters,
     progress: Callable[[int, int], None] | None,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-    """Lintel maxima (n, 2, N_θ) and panoramas (n, height, width): each image is read once."""
+    """Lintel maxima (n, 2, N_θ) and panoramas (n, height, width): each image is read once.
+
+    Zero for nodes that are not ``used``.
+    """
     camera, n = map_file.topomap.camera, len(map_file.topomap.nodes)
-    _check_images_done(map_file)
+    _check_images_done(map_file, used)
     search = LintelSearch.of(camera, parameters.lintel)
     unfold = Unfolding.of(camera, parameters.panorama)
-    maxima = np.empty((n, 2, parameters.lintel.orientation_bins), dtype=np.int64)
-    panoramas = np.empty((n, parameters.panorama.height, parameters.panorama.width), np.uint8)
-    for node in range(n):
+    maxima = np.zeros((n, 2, parameters.lintel.orientation_bins), dtype=np.int64)
+    panoramas = np.zeros((n, parameters.panorama.height, parameters.panorama.width), np.uint8)
+    for count, node in enumerate(used.tolist(), 1):
         image = map_file.image(node)
         if image.shape != camera.image_size:
             raise FormatError(
@@ -191,17 +196,16 @@ def _node_views(
         maxima[node] = orientation_maxima(image, search, parameters.lintel)
         panoramas[node] = unfold(image)
         if progress is not None:
-            progress(node + 1, n)
+            progress(count, len(used))
     return maxima, panoramas
 
 
-def _check_images_done(map_file: MapImages) -> None:
-    """Refuse a map of which some node has no image."""
-    n = len(map_file.topomap.nodes)
-    done = int(np.count_nonzero(map_file.done))
-    if done < n:
+def _check_images_done(map_file: MapImages, used: NDArray[np.int64]) -> None:
+    """Refuse a map of which some node that has an edge has no image."""
+    done = int(np.count_nonzero(map_file.done[used]))
+    if done < len(used):
         raise FormatError(
-            f"{_where(map_file)}images/done: {done} of {n} nodes have an image, "
+            f"{_where(map_file)}images/done: {done} of {len(used)} nodes have an image, "
             "expected all of them; render the map first"
         )
 

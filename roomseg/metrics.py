@@ -112,8 +112,17 @@ class FeatureQuality:
     true_positive: Floats
 
 
-def feature_quality(values: Floats, is_border: Flags) -> FeatureQuality:
-    """ROC analysis of one feature; both arrays have shape (e',).
+def feature_quality(
+    values: Floats, is_border: Flags, weights: Floats | None = None
+) -> FeatureQuality:
+    """ROC analysis of one feature; all arrays have shape (e',).
+
+    Parameters
+    ----------
+    values : array
+    is_border : array of bool
+    weights : array, optional
+        How many edges each stands for, if they are a sample; 1 if absent.
 
     Raises
     ------
@@ -122,9 +131,11 @@ def feature_quality(values: Floats, is_border: Flags) -> FeatureQuality:
     """
     if is_border.all() or not is_border.any():
         raise ValueError("is_border: one kind of edge only, expected both")
-    auc = float(roc_auc_score(is_border, values))
+    auc = float(roc_auc_score(is_border, values, sample_weight=weights))
     sign = 1.0 if auc >= 0.5 else -1.0
-    false_positive, true_positive, thresholds = roc_curve(is_border, sign * values)
+    false_positive, true_positive, thresholds = roc_curve(
+        is_border, sign * values, sample_weight=weights
+    )
     best = int(np.argmax(true_positive - false_positive))
     return FeatureQuality(
         max(auc, 1.0 - auc),

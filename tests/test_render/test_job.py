@@ -100,6 +100,18 @@ def test_in_pieces_equals_in_one_go(whole: Path, tmp_path: Path) -> None:
     assert path.read_bytes() == whole.read_bytes()
 
 
+def test_only_the_nodes_that_are_wanted(whole: Path, tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+    seen: list[tuple[int, int]] = []
+    progress = lambda *a: seen.append(a)  # noqa: E731
+    assert render_map(path, preset=TINY, nodes=[3, 1, 3], on_progress=progress) == 2
+    assert seen == [(0, 2), (1, 2), (2, 2)]
+    with MapFile(path) as some, MapFile(whole) as every:
+        assert some.done.tolist() == [False, True, False, True]
+        assert some.image(3).tobytes() == every.image(3).tobytes()
+    assert render_map(path, preset=TINY, nodes=[1]) == 0
+
+
 def test_a_finished_map_starts_no_blender(whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(render.job, "RenderProcess", None)
     assert render_map(whole, preset=TINY) == 0

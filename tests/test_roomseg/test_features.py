@@ -100,6 +100,18 @@ def test_every_image_is_read_once_and_reported(images: Images) -> None:
     assert reports == [(k + 1, n) for k in range(n)]
 
 
+def test_a_sample_of_edges_needs_its_own_images_only(images: Images) -> None:
+    whole = edge_features(images)
+    kept = whole.graph.kept[::7]
+    images.topomap = replace(images.topomap, edges=images.topomap.edges[kept])
+    images.done[:] = False
+    images.done[images.topomap.edges] = True
+    images.read.clear()
+    sample = edge_features(images)
+    assert (sample.values == whole.values[::7]).all()
+    assert images.read == np.flatnonzero(images.done).tolist()
+
+
 @pytest.mark.parametrize("name", ["no-pano", "no-ceiling", "no-obst"])
 def test_subset_is_computed_like_the_whole(images: Images, name: str) -> None:
     whole = edge_features(images).subset(SUBSETS[name])

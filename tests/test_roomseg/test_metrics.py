@@ -88,6 +88,17 @@ def test_area_is_the_share_of_ordered_pairs() -> None:
     assert quality.youden == pytest.approx(max(scores))
 
 
+def test_a_weight_stands_for_so_many_edges() -> None:
+    rng = np.random.default_rng(2)
+    border = rng.random(80) < 0.3
+    values = np.round(rng.normal(0, 1, 80) + border, 1)
+    times = rng.integers(1, 5, 80)
+    whole = feature_quality(np.repeat(values, times), np.repeat(border, times))
+    weighted = feature_quality(values, border, times.astype(float))
+    assert weighted.auc == pytest.approx(whole.auc)
+    assert weighted.youden == pytest.approx(whole.youden)
+
+
 def test_one_kind_of_edge_only() -> None:
     with pytest.raises(ValueError, match="expected both"):
         feature_quality(np.arange(3.0), np.ones(3, bool))
