@@ -4,7 +4,7 @@ from simulator.cleaning_run import simulate
 from simulator.laser import SensorSpec
 from simulator.report import CoverageReport, coverage_report
 from simulator.robot import RobotSpec
-from simulator.spec_file import read_specs
+from simulator.spec_file import read_specs, settings_of
 
 __all__ = [
     "CoverageReport",
@@ -12,5 +12,6 @@ __all__ = [
     "SensorSpec",
     "coverage_report",
     "read_specs",
+    "settings_of",
     "simulate",
 ]

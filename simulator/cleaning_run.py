@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from dataset.borders import crosses_border
+from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
 from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
@@ -19,6 +20,7 @@ from scenes.solids import floor_region, obstacles
 from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
+from simulator.spec_file import settings_of
 from simulator.surfaces import DRIVEN_OVER, floor_covers, seen_surfaces
 from simulator.vehicle import Vehicle
 from simulator.world import World
@@ -129,7 +131,10 @@ def _as_map(
         robot_radius=vehicle.robot.radius,
         path=vehicle.path(),
         ground_truth=_ground_truth(apartment, truth[:, :2], edges),
+        camera=FisheyeCamera(height=vehicle.sensor.camera_height),
         scene=apartment.model_dump_json(),
+        robot=settings_of(vehicle.robot),
+        sensor=settings_of(vehicle.sensor),
     )
 
 
