@@ -21,7 +21,7 @@ from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
 from simulator.spec_file import settings_of
-from simulator.surfaces import DRIVEN_OVER, floor_covers, seen_surfaces
+from simulator.surfaces import floor_covers, seen_surfaces
 from simulator.vehicle import Vehicle
 from simulator.world import World
 
@@ -73,7 +73,7 @@ def simulate(
     """
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
     world = World(
-        obstacles(apartment, low=DRIVEN_OVER, high=robot.height),
+        obstacles(apartment, high=robot.height),
         seen_surfaces(apartment, sensor.height),
         floor_covers(apartment),
         maximum_range=sensor.maximum_range,

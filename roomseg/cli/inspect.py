@@ -72,7 +72,8 @@ def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
     pieces = ", ".join(f"{count} {kind}" for kind, count in s.pieces.items())
     passages = (
         f"{s.passages}, {s.framed_passages} framed, {s.passages_without_lintel} without lintel; "
-        f"{s.closed_passages} closed, {counted(s.borders_without_wall, 'border')} without a wall"
+        f"{s.closed_passages} closed, {counted(s.thresholds, 'threshold')}; "
+        f"{counted(s.borders_without_wall, 'border')} without a wall"
     )
     return [
         ("apartment", s.name),
