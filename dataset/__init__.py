@@ -6,7 +6,7 @@ from dataset.errors import FormatError, RoomsegError
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
 from dataset.storage import MapFile, Rooms, read_map, write_map, write_rooms
-from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, TopoMap, Visits
+from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 from dataset.validation import problems
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "Path",
     "Rooms",
     "RoomsegError",
+    "Settings",
     "Summary",
     "TopoMap",
     "Visits",

@@ -9,7 +9,7 @@ import numpy as np
 
 from dataset.journal import journal_path
 from dataset.storage import MapFile
-from dataset.topomap import TopoMap
+from dataset.topomap import Settings, TopoMap
 
 __all__ = ["Summary", "summarise"]
 
@@ -41,6 +41,9 @@ class Summary:
     duration: float
     path_length: float | None
     has_scene: bool
+    robot_radius: float
+    robot: Settings | None
+    sensor: Settings | None
     image_size: tuple[int, int]
     disc_diameter: float
     images_done: int
@@ -84,6 +87,9 @@ def summarise(path: str | Path) -> Summary:
         duration=_duration(topomap),
         path_length=_path_length(topomap),
         has_scene=topomap.scene is not None,
+        robot_radius=topomap.robot_radius,
+        robot=topomap.robot,
+        sensor=topomap.sensor,
         image_size=topomap.camera.image_size,
         disc_diameter=topomap.camera.disc_diameter,
         images_done=images,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
-from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, TopoMap, Visits
+from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "VISIT", "decode_map", "encode_map"]
 
@@ -24,6 +24,7 @@ VISIT = np.dtype([("node", "<i4"), ("time", "<f8")])
 """One row of ``/visits``."""
 
 CAMERA_MODEL = "equidistant"
+SETTINGS_UNITS = "SI units; angles rad, but degrees where a name ends in _deg"
 CAMERA_UNITS = "field_of_view: rad; disc_centre, disc_diameter, image_size: px; height: m"
 
 
@@ -40,6 +41,9 @@ def encode_map(file: h5py.File, topomap: TopoMap) -> None:
     _put(obstacles, "time", topomap.obstacles.time, "<f8", "s")
     _put(obstacles, "beam", topomap.obstacles.beam, "u1")
     encode_camera(file, topomap.camera)
+    for name, settings in (("robot", topomap.robot), ("sensor", topomap.sensor)):
+        if settings is not None:
+            _encode_settings(file.create_group(name), settings)
     if topomap.path is not None:
         _encode_path(file.create_group("path"), topomap.path)
     if topomap.scene is not None:
@@ -102,6 +106,12 @@ def encode_camera(file: h5py.File, camera: FisheyeCamera) -> None:
     attributes["unit"] = CAMERA_UNITS
 
 
+def _encode_settings(group: h5py.Group, settings: Settings) -> None:
+    for name, value in settings.items():
+        group.attrs[name] = np.asarray(value, "<f8") if isinstance(value, tuple) else value
+    group.attrs["unit"] = SETTINGS_UNITS
+
+
 def _encode_ground_truth(group: h5py.Group, truth: GroundTruth) -> None:
     group.attrs["room_count"] = int(truth.room_count)
     _put(group, "borders", truth.borders, "<f8", "m")
@@ -139,6 +149,8 @@ def decode_map(file: h5py.File) -> TopoMap:
         ground_truth=_decode_ground_truth(file) if "ground_truth" in file else None,
         camera=decode_camera(file),
         scene=_decode_scene(file) if "scene" in file else None,
+        robot=decode_settings(file, "robot"),
+        sensor=decode_settings(file, "sensor"),
     )
 
 
@@ -247,6 +259,35 @@ def decode_camera(file: h5py.File) -> FisheyeCamera:
         )
     except ValueError as error:
         raise FormatError(f"/camera: {error}") from error
+
+
+def decode_settings(file: h5py.File, name: str) -> Settings | None:
+    """Read ``/robot`` or ``/sensor``; None if the file does not have it.
+
+    Raises
+    ------
+    FormatError
+        If it is no group, or an attribute is neither text nor numbers.
+    """
+    if name not in file:
+        return None
+    group = file[name]
+    if not isinstance(group, h5py.Group):
+        raise FormatError(f"/{name}: no group, expected one with attributes")
+    return {
+        setting: _setting(group, setting) for setting in sorted(group.attrs) if setting != "unit"
+    }
+
+
+def _setting(group: h5py.Group, name: str) -> bool | int | float | str | tuple[float, ...]:
+    value = group.attrs[name]
+    if isinstance(value, str | bytes):
+        return text_attribute(group, name)
+    if np.asarray(value).dtype.kind == "b" and np.ndim(value) == 0:
+        return bool(value)
+    number: float | tuple[float, ...]
+    number = number_attribute(group, name, len(value) if np.ndim(value) == 1 else None)
+    return number
 
 
 def _decode_ground_truth(file: h5py.File) -> GroundTruth:

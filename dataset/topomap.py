@@ -6,6 +6,8 @@ Every array is checked when the map is made, so later stages need not.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,10 +17,12 @@ from numpy.typing import NDArray
 from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
 
-__all__ = ["GroundTruth", "Nodes", "Obstacles", "Path", "TopoMap", "Visits"]
+__all__ = ["GroundTruth", "Nodes", "Obstacles", "Path", "Settings", "TopoMap", "Visits"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Settings = Mapping[str, bool | int | float | str | tuple[float, ...]]
+"""What a robot or its sensors are set to: names and values, SI units."""
 
 
 def _check(name: str, array: Any, dtype: Any, shape: tuple[int | None, ...]) -> NDArray[Any]:
@@ -31,6 +35,16 @@ def _check(name: str, array: Any, dtype: Any, shape: tuple[int | None, ...]) -> 
     if checked.dtype.kind == "f" and not np.isfinite(checked).all():
         raise FormatError(f"{name}: has values that are not finite")
     return checked
+
+
+def _check_settings(name: str, settings: Settings) -> None:
+    """Refuse settings that are no finite number, text, or tuple of finite numbers."""
+    for setting, value in settings.items():
+        numbers = value if isinstance(value, tuple) else (value,)
+        good = all(isinstance(n, int | float) and math.isfinite(n) for n in numbers)
+        if setting == "unit" or not (good or isinstance(value, str)):
+            expected = "finite numbers, texts and tuples of numbers, none called unit"
+            raise FormatError(f"{name}: {setting} is {value!r}, expected {expected}")
 
 
 @dataclass(frozen=True)
@@ -176,6 +190,9 @@ class TopoMap:
         Every adjacent, directly reachable pair, smaller index first (Fig. 4).
     robot_radius : float
         m.
+    robot, sensor : Settings, optional
+        Which robot made the map, and with what sensors; the simulator's settings, or
+        whatever a real robot has to tell. A ``radius`` is ``robot_radius`` again.
     path, ground_truth, camera, scene : optional
         ``scene`` is the apartment's JSON text.
     """
@@ -194,8 +211,17 @@ class TopoMap:
     ground_truth: GroundTruth | None = None
     camera: FisheyeCamera = field(default_factory=FisheyeCamera)
     scene: str | None = None
+    robot: Settings | None = None
+    sensor: Settings | None = None
 
     def __post_init__(self) -> None:
+        _check_settings("robot", self.robot or {})
+        _check_settings("sensor", self.sensor or {})
+        radius = (self.robot or {}).get("radius", self.robot_radius)
+        if radius != self.robot_radius:
+            raise FormatError(
+                f"robot: radius is {radius}, expected robot_radius {self.robot_radius}"
+            )
         for name in ("environment", "run"):
             if not getattr(self, name):
                 raise FormatError(f"{name}: empty, expected a name")

@@ -22,7 +22,13 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from dataset.errors import FormatError
-from dataset.layout import VISIT, decode_camera, number_attribute, text_attribute
+from dataset.layout import (
+    VISIT,
+    decode_camera,
+    decode_settings,
+    number_attribute,
+    text_attribute,
+)
 from dataset.storage import opened
 
 __all__ = ["problems"]
@@ -100,6 +106,7 @@ def _problems(file: h5py.File) -> Iterator[str]:
         _check_connected,
         _check_visits,
         _check_camera,
+        _check_settings,
         _check_images,
         _check_ground_truth,
         _check_borders,
@@ -243,6 +250,19 @@ def _check_camera(file: h5py.File, sound: Sound) -> Iterator[str]:
     pixels = sound.get("images/pixels")
     if pixels is not None and pixels.shape[1:] != tuple(camera.image_size):
         yield f"/images/pixels: images of {pixels.shape[1:]} px, expected {camera.image_size}"
+
+
+def _check_settings(file: h5py.File, sound: Sound) -> Iterator[str]:
+    faults = [
+        fault
+        for name in ("robot", "sensor")
+        for fault in _refusal(partial(decode_settings, file, name))
+    ]
+    yield from faults
+    robot = None if faults else decode_settings(file, "robot")
+    radius = file.attrs.get("robot_radius")
+    if robot is not None and robot.get("radius", radius) != radius:
+        yield f"attribute radius of /robot: {robot['radius']}, expected robot_radius of /, {radius}"
 
 
 def _check_images(file: h5py.File, sound: Sound) -> Iterator[str]:

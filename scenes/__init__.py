@@ -10,6 +10,7 @@ from scenes.apartment import (
     Piece,
     Room,
     Start,
+    Threshold,
     Wall,
     Window,
 )
@@ -40,6 +41,7 @@ __all__ = [
     "Room",
     "SceneError",
     "Start",
+    "Threshold",
     "Wall",
     "Window",
     "apartment_from_json",

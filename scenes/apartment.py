@@ -20,6 +20,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 __all__ = [
+    "DRIVEN_OVER",
     "Apartment",
     "Block",
     "Frame",
@@ -32,9 +33,13 @@ __all__ = [
     "SceneFile",
     "Skirting",
     "Start",
+    "Threshold",
     "Wall",
     "Window",
 ]
+
+DRIVEN_OVER = 0.01
+"""What lies on the floor and is no higher is driven over, m: rugs, cables, thresholds."""
 
 Metres = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Length = Annotated[float, Field(gt=0.0, le=1000.0)]
@@ -154,19 +159,33 @@ class Frame(_Model):
     material: Name = "frame_paint"
 
 
+class Threshold(_Model):
+    """A sill or a strip that lies across a passage, low enough to be driven over.
+
+    ``height`` above the floor; ``depth`` along the way through, in the middle of the
+    wall, m.
+    """
+
+    height: Annotated[float, Field(gt=0.0, le=DRIVEN_OVER)] = 0.006
+    depth: Annotated[float, Field(gt=0.0, le=0.5)] = 0.04
+    material: Name = "metal"
+
+
 class Passage(_Model):
     """A doorway or an open passage: a gap in the wall that joins two rooms.
 
     ``width`` is the clear width between the jambs. ``lintel_height`` is the
     clear height; ``None``: open up to the ceiling. Doors are always open and
     their leaves not modelled (§3.1). ``closed`` passages (the entrance door)
-    are filled by a door leaf and join nothing.
+    are filled by a door leaf and join nothing. A ``threshold`` tilts the robot that
+    drives over it.
     """
 
     position: Point
     width: Length = 0.8
     lintel_height: Length | None = 2.0
     frame: Frame | None = None
+    threshold: Threshold | None = None
     closed: bool = False
 
 

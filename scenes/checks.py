@@ -99,6 +99,8 @@ def _used_materials(apartment: Apartment) -> Iterator[tuple[str, str]]:
     for index, passage in enumerate(apartment.passages):
         if passage.frame is not None:
             yield f"passages[{index}].frame.material", passage.frame.material
+        if passage.threshold is not None:
+            yield f"passages[{index}].threshold.material", passage.threshold.material
     for index, window in enumerate(apartment.windows):
         yield f"windows[{index}].frame", window.frame
     for index, piece in enumerate(apartment.furniture):

@@ -51,6 +51,10 @@ class Opening:
         (a, b), (c, d) = along, across
         return Polygon(self.points(np.array([(a, c), (b, c), (b, d), (a, d)])))
 
+    def strip(self, depth: float) -> Polygon:
+        """A rectangle over the clear width, ``depth`` m deep, in the middle of the wall."""
+        return self.rectangle((-self.width / 2, self.width / 2), (-depth / 2, depth / 2))
+
 
 def wall_lines(walls: Sequence[Wall]) -> NDArray[np.float64]:
     """Centre lines of the walls, (w, 2, 2) m."""

@@ -19,7 +19,7 @@ import numpy as np
 import shapely
 from shapely import MultiPolygon, Polygon
 
-from scenes.apartment import Apartment, Block, Passage, Room, Window
+from scenes.apartment import DRIVEN_OVER, Apartment, Block, Passage, Room, Window
 from scenes.lamps import lamp_parts
 from scenes.openings import Opening, lining_of, place
 from scenes.parts import Part
@@ -220,14 +220,14 @@ def solid_groups(apartment: Apartment) -> list[SolidGroup]:
     return [group for group in groups if group.prisms]
 
 
-def obstacles(apartment: Apartment, low: float = 0.01, high: float = 0.10) -> MultiPolygon:
+def obstacles(apartment: Apartment, low: float = DRIVEN_OVER, high: float = 0.10) -> MultiPolygon:
     """What the robot can bump into: footprints of the solids between two heights.
 
     Parameters
     ----------
     apartment : Apartment
     low, high : float
-        m above the floor: what is lower is driven over (rugs), what begins
+        m above the floor: what is lower is driven over (rugs, thresholds), what begins
         higher is driven under (tables, beds).
 
     Returns
@@ -311,7 +311,7 @@ def _skirting(room: Room, solid: shapely.Geometry, cuts: shapely.Geometry) -> It
 def _passage(
     apartment: Apartment, passage: Passage, opening: Opening, cut: shapely.Geometry, top: float
 ) -> Iterator[Prism]:
-    """Floor, lintel or ceiling, frame and (closed) leaf of a passage."""
+    """Floor, lintel or ceiling, frame, threshold and (closed) leaf of a passage."""
     joined = [apartment.rooms[i] for i in passage_rooms(apartment, passage) if i is not None]
     lowest = min(joined or apartment.rooms, key=lambda room: room.ceiling_height)
     floor = (joined or apartment.rooms)[0].floor
@@ -326,10 +326,12 @@ def _passage(
         yield from _prisms(cut, height + lining_of(passage), top, WALL)
     if passage.frame is not None:
         yield from _frame(passage, opening, height)
+    foot = 0.0
+    if (threshold := passage.threshold) is not None:
+        foot = threshold.height
+        yield Prism(opening.strip(threshold.depth), 0.0, foot, threshold.material)
     if passage.closed:
-        half = opening.width / 2
-        leaf = opening.rectangle((-half, half), (-LEAF / 2, LEAF / 2))
-        yield Prism(leaf, 0.0, height, "door_paint")
+        yield Prism(opening.strip(LEAF), foot, height, "door_paint")
 
 
 def _frame(passage: Passage, opening: Opening, height: float) -> Iterator[Prism]:

@@ -51,6 +51,7 @@ class ApartmentSummary:
     framed_passages: int
     passages_without_lintel: int
     closed_passages: int
+    thresholds: int
     windows: int
     borders_without_wall: int
     pieces: dict[str, int]
@@ -76,6 +77,7 @@ def summarise_apartment(apartment: Apartment) -> ApartmentSummary:
         framed_passages=sum(passage.frame is not None for passage in open_passages),
         passages_without_lintel=sum(passage.lintel_height is None for passage in open_passages),
         closed_passages=len(apartment.passages) - len(open_passages),
+        thresholds=sum(passage.threshold is not None for passage in apartment.passages),
         windows=len(apartment.windows),
         borders_without_wall=len(apartment.borders),
         pieces=dict(sorted(Counter(piece.kind for piece in apartment.furniture).items())),

@@ -5,7 +5,7 @@ from simulator.laser import SensorSpec
 from simulator.reference_set import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS, ReferenceRun
 from simulator.report import CoverageReport, coverage_report
 from simulator.robot import RobotSpec
-from simulator.spec_file import read_specs
+from simulator.spec_file import read_specs, settings_of
 
 __all__ = [
     "NEW_RUNS",
@@ -17,5 +17,6 @@ __all__ = [
     "SensorSpec",
     "coverage_report",
     "read_specs",
+    "settings_of",
     "simulate",
 ]

@@ -21,7 +21,8 @@ from scenes.solids import floor_region, obstacles
 from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
-from simulator.surfaces import DRIVEN_OVER, floor_covers, seen_surfaces
+from simulator.spec_file import settings_of
+from simulator.surfaces import floor_covers, seen_surfaces
 from simulator.vehicle import Vehicle
 from simulator.world import World
 
@@ -56,7 +57,7 @@ def simulate(
     robot, sensor : optional
         Settings.
     camera : FisheyeCamera
-        With which the images of the map are to be rendered.
+        With which the images of the map are to be rendered, at ``sensor.camera_height``.
     created : str
         ISO date to write into the map. Fixed by default, as a clock would make
         the same seed give different bytes.
@@ -76,7 +77,7 @@ def simulate(
     """
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
     world = World(
-        obstacles(apartment, low=DRIVEN_OVER, high=robot.height),
+        obstacles(apartment, high=robot.height),
         seen_surfaces(apartment, sensor.height),
         floor_covers(apartment),
         maximum_range=sensor.maximum_range,
@@ -95,7 +96,7 @@ def simulate(
     vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
     CoverageStrategy(vehicle, progress).run()
     topomap = _as_map(apartment, vehicle, run=run, seed=seed, created=created)
-    return replace(topomap, camera=camera)
+    return replace(topomap, camera=replace(camera, height=sensor.camera_height))
 
 
 def _start_pose(apartment: Apartment, start: tuple[float, float, float] | None) -> Floats:
@@ -136,6 +137,8 @@ def _as_map(
         path=vehicle.path(),
         ground_truth=_ground_truth(apartment, truth[:, :2], edges),
         scene=apartment.model_dump_json(),
+        robot=settings_of(vehicle.robot),
+        sensor=settings_of(vehicle.sensor),
     )
 
 

@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SensorSpec:
-    """Laser settings; SI units.
+    """Settings of the lasers, the bumper and the camera; SI units.
 
     Attributes
     ----------
@@ -60,6 +60,8 @@ class SensorSpec:
         Share of measurements with a wrong, uniformly distributed range.
     bumper_noise : float
         Error of the contact's bearing, rad.
+    camera_height : float
+        Of the lens above the floor, m; the images are rendered from there.
     """
 
     beams: int = 8
@@ -74,11 +76,12 @@ class SensorSpec:
     least_reflectance: float = 0.4
     false_rate: float = 0.003
     bumper_noise: float = 0.15
+    camera_height: float = 0.10
 
     def __post_init__(self) -> None:
         if not 1 <= self.beams <= 255:
             raise ValueError(f"beams: {self.beams}, expected 1..255")
-        for name in ("maximum_range", "period", "least_reflectance"):
+        for name in ("maximum_range", "period", "least_reflectance", "camera_height"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected > 0")
         for name in ("dropout", "false_rate"):

@@ -1,4 +1,6 @@
-"""Robots as TOML files: the settings of `RobotSpec` and `SensorSpec` that differ.
+"""Robots as TOML files, and as the settings that a map keeps.
+
+A file says what differs from the defaults of `RobotSpec` and `SensorSpec`:
 
 [robot]
 radius = 0.17
@@ -13,15 +15,16 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
 from dataset.errors import FormatError
+from dataset.topomap import Settings
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
 
-__all__ = ["read_specs"]
+__all__ = ["read_specs", "settings_of"]
 
 Spec = TypeVar("Spec", RobotSpec, SensorSpec)
 
@@ -46,6 +49,11 @@ def read_specs(path: str | Path) -> tuple[RobotSpec, SensorSpec]:
             raise FormatError(f"{path}: [{table}]: unknown, expected [robot] or [sensor]")
     robot = _spec(RobotSpec, data.get("robot", {}), f"{path}: robot")
     return robot, _spec(SensorSpec, data.get("sensor", {}), f"{path}: sensor")
+
+
+def settings_of(spec: RobotSpec | SensorSpec) -> Settings:
+    """All settings by their names, as they are kept in a map; without those that are None."""
+    return {name: value for name, value in asdict(spec).items() if value is not None}
 
 
 def _spec(kind: type[Spec], settings: Any, place: str) -> Spec:

@@ -6,7 +6,7 @@ is high may be below or above the beams. How bright a spot is depends on the sur
 its reflectance is the red part of the material's colour, as the lasers are red. Of
 clear glass hardly anything comes back.
 
-Rugs, mats and cables up to 1 cm are driven over; while a wheel or the castor stands on
+Thresholds, rugs, mats and cables up to 1 cm are driven over; while a wheel or the castor stands on
 one, the robot, and its camera with it, is tilted.
 """
 
@@ -20,12 +20,12 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from scenes.apartment import Apartment
+from scenes.apartment import DRIVEN_OVER, Apartment
 from scenes.materials import LAMP_PREFIX, resolve
 from scenes.mesh import wall_materials
 from scenes.solids import WALL, Prism, apartment_solids
 
-__all__ = ["DRIVEN_OVER", "FloorCovers", "Surfaces", "boundary", "floor_covers", "seen_surfaces"]
+__all__ = ["FloorCovers", "Surfaces", "boundary", "floor_covers", "seen_surfaces"]
 
 Floats = NDArray[np.float64]
 
@@ -33,8 +33,6 @@ _GLASS = 0.05
 """Reflectance of clear glass."""
 _LAMP = 0.8
 """Reflectance of a lamp's shade."""
-DRIVEN_OVER = 0.01
-"""What stands no higher is driven over, m."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,7 @@ def boundary(region: shapely.Geometry) -> Floats:
 
 
 def floor_covers(apartment: Apartment) -> FloorCovers:
-    """Rugs, mats and cables that the robot drives over."""
+    """Thresholds, rugs, mats and cables that the robot drives over."""
     low = [p for p in apartment_solids(apartment) if p.bottom < DRIVEN_OVER / 2 and p.top > 0.0]
     low = [prism for prism in low if prism.top <= DRIVEN_OVER]
     return FloorCovers([p.footprint for p in low], [p.top for p in low])

@@ -90,7 +90,7 @@ def _door(apartment: Apartment, passage: Passage) -> PlanDoor:
     opening = place(apartment, passage.position, passage.width)
     half, face = opening.width / 2, opening.thickness / 2
     faces = [[(-half, side), (half, side)] for side in (-face, face)]
-    frame = leaf = None
+    frame = leaf = threshold = None
     if passage.frame is not None:
         lining, outer = lining_of(passage), half + passage.frame.width
         depth = face + passage.frame.depth
@@ -106,10 +106,12 @@ def _door(apartment: Apartment, passage: Passage) -> PlanDoor:
             ]
         )
     if passage.closed:
-        leaf = opening.rectangle((-half, half), (-LEAF / 2, LEAF / 2))
+        leaf = opening.strip(LEAF)
+    if passage.threshold is not None:
+        threshold = opening.strip(passage.threshold.depth)
     cut = opening.rectangle((-half, half), (-face, face))
     lintel = passage.lintel_height is not None
-    return PlanDoor(cut, opening.points(np.array(faces)), lintel, frame, leaf)
+    return PlanDoor(cut, opening.points(np.array(faces)), lintel, frame, leaf, threshold)
 
 
 def _windows(apartment: Apartment) -> tuple[PlanWindow, ...]:

@@ -14,6 +14,7 @@ from roomseg.cli.sources import is_apartment
 
 if TYPE_CHECKING:
     from dataset.inspection import Summary
+    from dataset.topomap import Settings
     from scenes.summary import ApartmentSummary
 
 EXAMPLE = """\b
@@ -71,7 +72,8 @@ def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
     pieces = ", ".join(f"{count} {kind}" for kind, count in s.pieces.items())
     passages = (
         f"{s.passages}, {s.framed_passages} framed, {s.passages_without_lintel} without lintel; "
-        f"{s.closed_passages} closed, {counted(s.borders_without_wall, 'border')} without a wall"
+        f"{s.closed_passages} closed, {counted(s.thresholds, 'threshold')}; "
+        f"{counted(s.borders_without_wall, 'border')} without a wall"
     )
     return [
         ("apartment", s.name),
@@ -99,12 +101,32 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
         ("visits", str(s.visit_count)),
         ("edges", f"{s.edge_count}{length}"),
         ("obstacles", f"{s.obstacle_count} points"),
+        *_robot_lines(s),
         ("camera", f"{s.image_size[0]} x {s.image_size[1]} px, disc {s.disc_diameter:g} px"),
         ("images", _images(s)),
         ("ground truth", _ground_truth(s)),
         ("rooms found", "no" if s.segmented_by is None else f"by {s.segmented_by}"),
         ("scene", "inside" if s.has_scene else "no"),
     ]
+
+
+def _robot_lines(summary: Summary) -> list[tuple[str, str]]:
+    """The robot and its sensors, by what is unlike the prototype."""
+    radius = f"radius {summary.robot_radius:g} m"
+    if summary.robot is None:
+        return [("robot", radius)]
+    from simulator import RobotSpec, SensorSpec, settings_of
+
+    usual = {**settings_of(RobotSpec()), "radius": summary.robot_radius}
+    robot = ("robot", f"{radius}; {_unlike(summary.robot, usual)}")
+    if summary.sensor is None:
+        return [robot]
+    return [robot, ("sensors", _unlike(summary.sensor, settings_of(SensorSpec())))]
+
+
+def _unlike(settings: Settings, usual: Settings) -> str:
+    other = [f"{name} {value}" for name, value in settings.items() if usual.get(name) != value]
+    return f"unlike the prototype: {', '.join(other)}" if other else "else as the prototype"
 
 
 def _images(summary: Summary) -> str:

@@ -177,13 +177,15 @@ def _check_alone(context: click.Context) -> None:
 def _check_same(run: _Run) -> None:
     """Refuse to take the map of another apartment or seed for the one that is wanted."""
     from dataset import RoomsegError, read_map
+    from simulator import settings_of
 
     topomap = read_map(run.output)
     place, seed = run.apartment.model_dump_json(), run.seed
     same = {
         "apartment": topomap.scene == place,
         "seed": topomap.seed == seed,
-        "robot": topomap.robot_radius == run.robot.radius,
+        "robot": topomap.robot == settings_of(run.robot),
+        "robot's sensors": topomap.sensor == settings_of(run.sensor),
     }
     if not all(same.values()):
         what = next(name for name, agrees in same.items() if not agrees)

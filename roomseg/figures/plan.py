@@ -69,7 +69,7 @@ BORDER: dict[str, Any] = {
     "linewidths": 1.4,
     "linestyles": (0, (5, 1.5, 1, 1.5)),
 }
-THRESHOLD, FRAME, LEAF, SOLID, START = "#F4F1EA", "#B9AE9A", "#8C5A2B", "#777777", "#F0C419"
+GAP, FRAME, LEAF, SOLID, START = "#F4F1EA", "#B9AE9A", "#8C5A2B", "#777777", "#F0C419"
 
 SCALES = (20, 50, 100, 200, 500, 1000)
 INCH = 0.0254
@@ -90,7 +90,7 @@ class PlanRoom:
 
 @dataclass(frozen=True)
 class PlanDoor:
-    """A gap in the wall; ``frame`` and ``leaf`` are shapes, ``None`` if there is none.
+    """A gap in the wall; ``frame``, ``leaf``, ``threshold`` are shapes, ``None`` if it has none.
 
     ``opening`` is its footprint, ``faces`` (2, 2, 2), m, the gap's ends on both wall
     faces; ``lintel`` tells whether it has one.
@@ -101,6 +101,7 @@ class PlanDoor:
     lintel: bool
     frame: Any = None
     leaf: Any = None
+    threshold: Any = None
 
 
 @dataclass(frozen=True)
@@ -234,10 +235,12 @@ def _draw_building(ax: Any, plan: HomePlan) -> None:
 
 
 def _draw_door(ax: Any, door: PlanDoor) -> None:
-    """A light gap; its frame; dashed lines for a lintel above it; the leaf of a closed one."""
-    _area(ax, door.opening, "door", facecolor=THRESHOLD, edgecolor="none", zorder=4)
+    """A light gap; threshold and frame; dashed lines for a lintel; the leaf of a closed one."""
+    _area(ax, door.opening, "door", facecolor=GAP, edgecolor="none", zorder=4)
     if door.lintel:
         _lines(ax, door.faces, "lintel", linewidths=0.5, linestyles=OVERHEAD)
+    if door.threshold is not None:
+        _area(ax, door.threshold, "threshold", facecolor=FRAME, edgecolor="none", zorder=4)
     if door.frame is not None:
         _area(ax, door.frame, "door-frame", facecolor=FRAME, zorder=5)
     if door.leaf is not None:
@@ -341,7 +344,7 @@ def _legend_entries(plan: HomePlan) -> Iterator[Any]:
             any(symbol.hung for symbol in plan.symbols),
             _line("hung", color="#777777", linestyle=HUNG),
         ),
-        (any(door.leaf is None for door in plan.doors), _box("doorway", THRESHOLD)),
+        (any(door.leaf is None for door in plan.doors), _box("doorway", GAP)),
         (any(door.leaf is not None for door in plan.doors), _box("closed door", LEAF)),
         (bool(plan.windows), _box("window", "white")),
         (bool(plan.solids), _box("column, block", SOLID)),

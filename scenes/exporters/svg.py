@@ -20,6 +20,7 @@ from scenes.apartment import Apartment, Passage, Room, Window
 from scenes.openings import Opening, lining_of, place
 from scenes.pieces import piece_parts
 from scenes.solids import (
+    LEAF,
     block_footprint,
     building_region,
     cutter,
@@ -66,6 +67,7 @@ STYLE = """
 .lintel, .border, .above { fill: none; stroke: #777; stroke-width: .18; stroke-dasharray: 1.2 .8; }
 .border { stroke: #2468b4; }
 .frame { fill: #8a8a8a; stroke: none; }
+.threshold { fill: #c4c4c4; stroke: none; }
 .glass { fill: #fff; stroke: #2468b4; stroke-width: .18; }
 .piece { fill: #fff; fill-opacity: .55; stroke: #555; stroke-width: .2; stroke-linejoin: round; }
 .hung { fill: none; stroke: #555; stroke-width: .18; stroke-dasharray: .9 .6; }
@@ -202,15 +204,17 @@ def _openings(root: ET.Element, apartment: Apartment, frame: _Frame) -> None:
 
 
 def _door(passage: Passage, opening: Opening) -> Iterator[tuple[shapely.Geometry, str]]:
-    """Jambs, a lintel over the opening, or a closed leaf."""
+    """Jambs, a threshold, a lintel over the opening, or a closed leaf."""
     half, face = opening.width / 2, opening.thickness / 2
     lining = lining_of(passage)
     if passage.frame is not None:
         deep = face + passage.frame.depth
         for a, b in ((-half - lining, -half), (half, half + lining)):
             yield opening.rectangle((a, b), (-deep, deep)), "frame"
+    if passage.threshold is not None:
+        yield opening.strip(passage.threshold.depth), "threshold"
     if passage.closed:
-        yield opening.rectangle((-half, half), (-0.02, 0.02)), "leaf"
+        yield opening.strip(LEAF), "leaf"
     elif passage.lintel_height is not None:
         for side in (-face, face):
             ends = opening.points(np.array([(-half, side), (half, side)]))

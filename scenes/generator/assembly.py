@@ -17,10 +17,11 @@ from scenes.apartment import (
     Room,
     Skirting,
     Start,
+    Threshold,
     Wall,
     Window,
 )
-from scenes.generator.doorways import Doorway, Pane, draw_panes
+from scenes.generator.doorways import Doorway, Pane, draw_panes, draw_threshold
 from scenes.generator.finish import ceiling_step, draw_dressing, dress, lamps
 from scenes.generator.interiors import Habits, furnish
 from scenes.generator.palettes import Palette, draw_lighting, draw_palette
@@ -70,7 +71,11 @@ def assemble(
         start=Start(position=doorways[-1].position),
     )
     start = _start(bare, plan, doorways[-1])
-    return None if start is None else bare.model_copy(update={"start": start})
+    if start is None:
+        return None
+    # Drawn last: whether there are thresholds changes nothing else of a home.
+    passages = _with_threshold(bare, doorways, draw_threshold(rng))
+    return bare.model_copy(update={"start": start, "passages": passages})
 
 
 def _description(plan: FloorPlan, brief: Brief) -> str:
@@ -131,6 +136,19 @@ def _passages(
         )
         for door in doorways
     ]
+
+
+def _with_threshold(
+    apartment: Apartment, doorways: Sequence[Doorway], threshold: Threshold | None
+) -> tuple[Passage, ...]:
+    """The passages, those with that threshold between whose rooms the floor changes."""
+    floors = [room.floor for room in apartment.rooms]
+    return tuple(
+        passage
+        if passage.closed or floors[door.first] == floors[door.second]
+        else passage.model_copy(update={"threshold": threshold})
+        for passage, door in zip(apartment.passages, doorways, strict=True)
+    )
 
 
 def _window(pane: Pane, palette: Palette) -> Window:

@@ -1,4 +1,4 @@
-"""Doors, wide passages, the entrance, and windows of a plan."""
+"""Doors, wide passages, the entrance, thresholds, and windows of a plan."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from scenes.apartment import RoomKind
+from scenes.apartment import RoomKind, Threshold
 from scenes.generator.plan import OUTSIDE, FloorPlan, Stretch
 from scenes.generator.wishes import Brief
 
-__all__ = ["Doorway", "Pane", "draw_doorways", "draw_panes"]
+__all__ = ["Doorway", "Pane", "draw_doorways", "draw_panes", "draw_threshold"]
 
 JAMB = 0.14
 """Least distance from a doorway's clear width to a corner of the room, m."""
@@ -168,6 +168,17 @@ def _entrance(
             along = _along(rng, low + JAMB + width / 2, high - JAMB - width / 2)
             return Doorway(stretch.point(along), width, stretch.upright, room, OUTSIDE)
     return None
+
+
+def draw_threshold(rng: np.random.Generator) -> Threshold | None:
+    """What lies in one home's doorways where the floor changes; nothing in some homes."""
+    if rng.random() < 0.35:
+        return None
+    return Threshold(
+        height=round(float(rng.uniform(0.003, 0.009)), 4),
+        depth=round(float(rng.uniform(0.03, 0.08)), 3),
+        material=str(rng.choice(["metal", "brass", "wood", "wood_light"])),
+    )
 
 
 def draw_panes(

@@ -10,7 +10,7 @@ room         Polygon: clear floor                     name, kind, ceiling_height
 wall         LineString: centre line; Polygon:        thickness
              footprint
 door         LineString: along the wall; Polygon:     width (Point only), lintel_height, frame,
-             thin outline; Point: the middle          closed
+             thin outline; Point: the middle          closed, threshold
 window       as door                                  width (Point only), sill_height,
                                                       head_height, frame
 furniture    Polygon: outline; Point: the middle      kind (required), rotation_deg, size,

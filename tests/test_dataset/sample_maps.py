@@ -54,6 +54,7 @@ def two_rooms(camera: FisheyeCamera = CAMERA) -> TopoMap:
             room=np.tile([0, 0, 1, 1], 2),
         ),
         camera=camera,
+        robot={"radius": 0.15, "lane_spacing": 1.0},
         scene=json.dumps({"name": "flat", "höhe": 2.5}, ensure_ascii=False),
     )
 

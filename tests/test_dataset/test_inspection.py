@@ -17,6 +17,8 @@ def test_summary_counts_what_is_there(full_path):
     assert (summary.room_count, summary.border_edge_count) == (2, 2)
     assert summary.nodes_labelled
     assert summary.segmented_by == "m"
+    assert (summary.robot_radius, summary.sensor) == (0.15, None)
+    assert summary.robot == {"radius": 0.15, "lane_spacing": 1.0}
     assert summary.file_size == full_path.stat().st_size
 
 

@@ -51,6 +51,14 @@ def indices(count: int, most: int = 2**31 - 1) -> st.SearchStrategy[np.ndarray]:
     return stn.arrays(np.int32, count, elements=st.integers(0, most))
 
 
+def robots(radius: float) -> st.SearchStrategy[dict[str, object] | None]:
+    value = st.booleans() | integers | finite | texts | st.lists(finite, max_size=4).map(tuple)
+    settings = st.dictionaries(names.filter(lambda name: name not in ("unit", "radius")), value)
+    return st.none() | st.tuples(settings, st.booleans()).map(
+        lambda drawn: drawn[0] | ({"radius": radius} if drawn[1] else {})
+    )
+
+
 @st.composite
 def maps(draw: st.DrawFn) -> TopoMap:
     n, v, k, t, b = (draw(st.integers(low, 6)) for low in (1, 0, 0, 0, 0))
@@ -71,6 +79,7 @@ def maps(draw: st.DrawFn) -> TopoMap:
         disc_centre=draw(st.tuples(finite, finite)),
         height=draw(st.floats(0.01, 2.0)),
     )
+    radius = draw(st.floats(0.01, 1.0))
     return TopoMap(
         environment=draw(names),
         run=draw(names),
@@ -87,13 +96,15 @@ def maps(draw: st.DrawFn) -> TopoMap:
         edges=edges,
         visits=Visits(draw(indices(v, n - 1)), draw(floats(v))),
         obstacles=Obstacles(draw(floats(k, 2)), draw(floats(k)), draw(stn.arrays(np.uint8, k))),
-        robot_radius=draw(st.floats(0.01, 1.0)),
+        robot_radius=radius,
         path=draw(
             st.none() | st.builds(DrivenPath, floats(t), floats(t, 3), floats(t, 3), ints(t))
         ),
         ground_truth=draw(st.none() | st.just(truth)),
         camera=camera,
         scene=draw(st.none() | texts),
+        robot=draw(robots(radius)),
+        sensor=draw(robots(radius)),
     )
 
 
@@ -104,6 +115,38 @@ def test_what_is_written_is_read(topomap):
         path = Path(folder) / "map.h5"
         write_map(path, topomap)
         assert_same(read_map(path), topomap)
+
+
+def test_settings_are_plain_attributes(tmp_path, topomap):
+    path = tmp_path / "map.h5"
+    told = {"radius": 0.15, "nodes": 4, "aligned": True, "bearings_deg": (0.0, 30.0), "name": "X1"}
+    write_map(path, dataclasses.replace(topomap, robot=told))
+    with h5py.File(path) as file:
+        attributes = dict(file["robot"].attrs)
+        assert "sensor" not in file
+    assert "SI" in attributes.pop("unit")
+    assert attributes.keys() == told.keys()
+    assert attributes["radius"] == 0.15
+    assert attributes["name"] == "X1"
+    assert attributes["bearings_deg"].tolist() == [0.0, 30.0]
+    found = read_map(path).robot
+    assert found == told
+    assert [type(found[name]) for name in told] == [type(value) for value in told.values()]
+
+
+@pytest.mark.parametrize(
+    ("robot", "said"),
+    [
+        ({"radius": 0.2}, "robot: radius is 0.2, expected robot_radius 0.15"),
+        ({"speed": float("nan")}, "robot: speed is nan, expected finite numbers"),
+        ({"speed": None}, "robot: speed is None, expected finite numbers"),
+        ({"unit": "m"}, "robot: unit is 'm', expected"),
+    ],
+)
+def test_settings_that_say_nothing_are_refused(topomap, robot, said):
+    with pytest.raises(FormatError) as caught:
+        dataclasses.replace(topomap, robot=robot)
+    assert said in str(caught.value)
 
 
 def test_long_arrays_survive_compression(tmp_path, topomap):

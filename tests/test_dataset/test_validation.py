@@ -178,7 +178,20 @@ CASES = {
     ),
     "robot without size": (
         attribute("/", "robot_radius", 0.0),
-        "attribute robot_radius of /: 0.0, expected > 0 m",
+        "attribute robot_radius of /: 0.0, expected > 0 m"
+        "|attribute radius of /robot: 0.15, expected robot_radius of /, 0.0",
+    ),
+    "robot of two sizes": (
+        attribute("robot", "radius", 0.2),
+        "attribute radius of /robot: 0.2, expected robot_radius of /, 0.15",
+    ),
+    "robot setting that is no number": (
+        attribute("robot", "lane_spacing", np.nan),
+        "attribute lane_spacing of /robot: nan, expected a number",
+    ),
+    "sensors in an array": (
+        lambda file: file.create_dataset("sensor", data=[1.0]),
+        "/sensor: no group, expected one with attributes",
     ),
     "no camera": (
         remove("camera"),

@@ -21,7 +21,7 @@ from roomseg.cli.main import main
 from roomseg.cli.simulate import run_seed
 from roomseg.evaluation import LabelledMap, train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
-from simulator import CoverageReport
+from simulator import CoverageReport, settings_of
 
 CAMERA = FisheyeCamera().resized(116)
 
@@ -177,7 +177,11 @@ def test_simulate_keeps_maps_that_are_there(folder, monkeypatch, capsys):
     def fake(run, show=None):
         calls.append(run.name)
         scene = run.apartment.model_dump_json()
-        write_map(run.output, dataclasses.replace(flat("x", 0), seed=run.seed, scene=scene))
+        robot, sensor = settings_of(run.robot), settings_of(run.sensor)
+        made = dataclasses.replace(
+            flat("x", 0), seed=run.seed, scene=scene, robot=robot, sensor=sensor
+        )
+        write_map(run.output, made)
         return run.output, CoverageReport(1, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, True, 0.0, 0.0)
 
     monkeypatch.setattr("roomseg.cli.simulate._simulate", fake)
@@ -286,8 +290,16 @@ def test_another_robot_cleans(folder, capsys):
     Path("wide.toml").write_text("[robot]\nradius = 0.17\n[sensor]\nbeams = 4\n")
     succeed("simulate", "demo1", "--robot", "wide.toml", "-o", "wide")
     topomap = read_map("wide/demo1-run1.h5")
-    assert topomap.robot_radius == 0.17
+    assert topomap.robot_radius == topomap.robot["radius"] == 0.17
+    assert (topomap.robot["lane_spacing"], topomap.sensor["beams"]) == (0.3, 4)
     assert topomap.obstacles.beam.max() == 3
     capsys.readouterr()
     assert main(["simulate", "demo1", "-o", "wide"]) == 2
-    assert "already there, but of another robot" in capsys.readouterr().err
+    assert "already there, but of another robot;" in capsys.readouterr().err
+    Path("other.toml").write_text("[robot]\nradius = 0.17\n[sensor]\nbeams = 5\n")
+    assert main(["simulate", "demo1", "--robot", "other.toml", "-o", "wide"]) == 2
+    assert "already there, but of another robot's sensors;" in capsys.readouterr().err
+    succeed("inspect", "wide/demo1-run1.h5")
+    shown = capsys.readouterr().out
+    assert "radius 0.17 m; else as the prototype\n" in shown
+    assert "unlike the prototype: beams 4\n" in shown

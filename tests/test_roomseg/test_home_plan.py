@@ -80,6 +80,13 @@ def test_rooms_have_their_names_and_areas():
     assert [area_of(patch) for patch in named(figure, "room")] == pytest.approx([6.0, 2.0])
 
 
+def test_a_threshold_is_a_strip_in_its_doorway():
+    sill = {"position": (3.05, 0.8), "width": 0.8, "threshold": {"depth": 0.05}}
+    (strip,) = named(figure_of(home(passages=[sill])), "threshold")
+    assert area_of(strip) == pytest.approx(0.8 * 0.05)
+    assert not named(figure_of(home()), "threshold")
+
+
 def test_the_building_without_its_openings_is_black():
     figure = figure_of(home(windows=[{"position": (1.5, -0.1), "width": 1.2}]))
     outside, rooms = 4.5 * 2.4, 8.0

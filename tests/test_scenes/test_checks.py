@@ -178,6 +178,10 @@ CASES = {
         {"passages": framed(frame={"width": 0.5})},
         "passages[0].frame: 0.5 x 0.02 m; expected width and depth of at most 0.3 m",
     ),
+    "threshold of nothing": (
+        {"passages": framed(threshold={"material": "brasss"})},
+        "passages[0].threshold.material: 'brasss' is no material; did you mean 'brass'?",
+    ),
     "start by the wall": (
         {"start": {"position": [0.1, 1.5]}},
         "start.position: (0.1, 1.5) has no free floor for a robot of 0.15 m radius; expected a "

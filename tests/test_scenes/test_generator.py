@@ -114,6 +114,33 @@ def test_wide_passages_have_neither_frame_nor_lintel(homes: dict[int, Apartment]
                 assert kinds <= PUBLIC
 
 
+def test_thresholds_lie_where_the_floor_changes(homes: dict[int, Apartment]) -> None:
+    per_home = []
+    for home in homes.values():
+        kinds = set()
+        for passage in home.passages:
+            floors = {home.rooms[i].floor for i in passage_rooms(home, passage) if i is not None}
+            if not passage.closed and len(floors) == 2:
+                kinds.add(passage.threshold)
+            else:
+                assert passage.threshold is None
+        # One kind for the whole home, or none.
+        assert len(kinds) <= 1
+        per_home += kinds
+    assert 0.2 < np.mean([kind is not None for kind in per_home]) < 0.95
+
+
+def test_thresholds_change_nothing_else(
+    homes: dict[int, Apartment], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenes.generator.assembly.draw_threshold", lambda rng: None)
+    seed = next(s for s in SEEDS if any(p.threshold for p in homes[s].passages))
+    bare = generate_apartment(seed, **wishes(seed))
+    assert bare != homes[seed]
+    flat = [p.model_copy(update={"threshold": None}) for p in homes[seed].passages]
+    assert bare == homes[seed].model_copy(update={"passages": tuple(flat)})
+
+
 def test_rooms_have_what_they_are_for(homes: dict[int, Apartment]) -> None:
     vital = {
         "bathroom": ({"toilet"}, {"basin", "vanity"}, {"bath", "shower_tray", "shower_cabin"}),

@@ -7,7 +7,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scenes import Prism, apartment_solids, floor_region, obstacles
+from scenes import Prism, apartment_mesh, apartment_solids, floor_region, obstacles
 from scenes.pieces import KINDS
 from scenes.solids import WALL, passage_rooms, wall_region
 from test_scenes.places import AREA_A, AREA_B, OUTER, framed, two_rooms
@@ -121,6 +121,24 @@ def test_frame_keeps_the_clear_width_and_stands_out_of_both_faces():
     assert xs == pytest.approx((3.98, 1.5 - 0.47, 4.12, 1.5 + 0.47))
     assert max(p.top for p in parts) == pytest.approx(2.07)
     assert min(p.bottom for p in prisms_at(place, 4.05, 1.5) if p.bottom > 0) == 2.0
+
+
+def test_threshold_lies_across_the_clear_width_and_is_driven_over():
+    sill = {"height": 0.008, "depth": 0.06, "material": "brass"}
+    place, bare = two_rooms(passages=framed(threshold=sill)), two_rooms(passages=framed())
+    (strip,) = [p for p in apartment_solids(place) if p.material == "brass"]
+    assert strip.footprint.bounds == pytest.approx((4.02, 1.1, 4.08, 1.9))
+    assert (strip.bottom, strip.top) == (0.0, 0.008)
+    assert obstacles(place).equals(obstacles(bare))
+    assert floor_region(place).equals(floor_region(bare))
+    assert strip.material in apartment_mesh(place).materials
+
+
+def test_a_closed_leaf_stands_on_its_threshold():
+    place = two_rooms(passages=framed(closed=True, threshold={"height": 0.01, "depth": 0.02}))
+    floor, strip, leaf, *_ = prisms_at(place, 4.05, 1.5)
+    assert (floor.top, strip.top, leaf.bottom, leaf.material) == (0.0, 0.01, 0.01, "door_paint")
+    assert obstacles(place).contains(shapely.Point(4.05, 1.5))
 
 
 def test_frame_has_no_head_without_a_lintel():

@@ -113,6 +113,10 @@ def test_folder(tmp_path):
         ("[" * 100_000, "nested too deeply or a number too long"),
         ("[]", "the file: []; expected an object with fields"),
         (dumped(colour=3), "colour: unknown field; expected one of format, format_version, name"),
+        (
+            dumped(passages=framed(threshold={"height": 0.02})),
+            "passages[0].threshold.height: 0.02; expected at most 0.01",
+        ),
         (dumped(wals=[]), "wals: unknown field; did you mean 'walls'?"),
         (dumped(name="two rooms"), "name: 'two rooms'; expected letters, digits, '_', '.', '-'"),
         (dumped(rooms=[]), "rooms: []; expected at least 1, not 0"),

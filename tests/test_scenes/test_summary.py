@@ -22,6 +22,11 @@ def test_rooms_passages_and_areas():
     assert summary.free_area == pytest.approx(21.0 - 4 * 0.07 * 0.02)
 
 
+def test_thresholds_are_counted():
+    assert summarise_apartment(two_rooms(passages=framed())).thresholds == 0
+    assert summarise_apartment(two_rooms(passages=framed(threshold={}))).thresholds == 1
+
+
 def test_pieces_and_lamps_are_counted():
     pieces = [{"kind": "box", "position": (x, 2.0)} for x in (1.0, 2.0)]
     pieces.append({"kind": "table", "position": (5.5, 1.5)})

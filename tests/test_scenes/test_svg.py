@@ -63,6 +63,8 @@ def test_everything_is_on_the_plan(name):
     ):
         found = list(root.find(f"svg:g[@id='{group}']", NAMES))
         assert len(found) == count, group
+    sills = [p for p in place.passages if p.threshold is not None]
+    assert len(root.findall("svg:g[@id='doors']/svg:path[@class='threshold']", NAMES)) == len(sills)
     kinds = [i.get("data-kind") for i in root.findall("svg:g[@id='furniture']/svg:path", NAMES)]
     assert sorted(kinds) == sorted(piece.kind for piece in place.furniture)
     areas = re.findall(r"([\d.]+) m²", text)

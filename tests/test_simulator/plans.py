@@ -40,7 +40,7 @@ def l_shape(start=(0.5, 0.5), heading_deg=90.0):
     )
 
 
-def two_rooms(door=0.85, start=(0.6, 0.7), heading_deg=0.0):
+def two_rooms(door=0.85, start=(0.6, 0.7), heading_deg=0.0, threshold=None):
     """Two rooms side by side, joined by one doorway."""
     width, depth, wall = 2.0, 2.2, 0.12
     left = ((0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth))
@@ -54,7 +54,7 @@ def two_rooms(door=0.85, start=(0.6, 0.7), heading_deg=0.0):
             *outline(whole),
             Wall(start=(middle, 0.0), end=(middle, depth), thickness=wall),
         ),
-        passages=(Passage(position=(middle, 1.2), width=door),),
+        passages=(Passage(position=(middle, 1.2), width=door, threshold=threshold),),
         start=Start(position=start, heading_deg=heading_deg),
     )
 

@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from dataset import crosses_border
 from dataset.errors import RoomsegError
 from scenes import load_apartment
+from scenes.apartment import Threshold
 from scenes.solids import obstacles
 from simulator import RobotSpec, SensorSpec, coverage_report, simulate
 
@@ -47,6 +48,32 @@ def test_the_robot_comes_home(plan_and_map):
     _, topomap = plan_and_map
     pose = topomap.path.true_pose
     assert np.hypot(*(pose[-1, :2] - pose[0, :2])) < 0.3
+
+
+def test_a_threshold_tilts_the_nodes_on_it_and_changes_nothing_else(two_rooms_map):
+    sill = Threshold(height=0.009, depth=0.1)
+    topomap = simulate(two_rooms(threshold=sill), seed=1)
+    tilt = topomap.nodes.tilt
+    assert np.abs(tilt).max() == pytest.approx(np.arctan(0.009 / 0.10))
+    leaning = np.hypot(*tilt.T) > 0.0
+    # Wheels and castor reach 0.11 m from the robot's centre, the strip 0.05 m from x = 2.06.
+    assert (np.abs(topomap.nodes.true_pose[leaning, 0] - 2.06) < 0.16).all()
+    assert not two_rooms_map.nodes.tilt.any()
+    same = ("position", "heading", "part", "lane", "true_pose")
+    for name in same:
+        found, expected = getattr(topomap.nodes, name), getattr(two_rooms_map.nodes, name)
+        np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(topomap.obstacles.position, two_rooms_map.obstacles.position)
+    np.testing.assert_array_equal(topomap.ground_truth.borders, two_rooms_map.ground_truth.borders)
+
+
+def test_a_map_tells_robot_and_sensors():
+    robot, sensor = RobotSpec(lane_spacing=0.28), SensorSpec(beams=4, camera_height=0.07)
+    topomap = simulate(box_room(), robot=robot, sensor=sensor)
+    assert topomap.camera.height == 0.07
+    # All it takes to make the same robot again.
+    assert RobotSpec(**topomap.robot) == robot
+    assert SensorSpec(**topomap.sensor) == sensor
 
 
 def test_the_graph_is_connected(plan_and_map):

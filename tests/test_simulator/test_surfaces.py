@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 import shapely
 
-from scenes.apartment import Apartment, Block, Piece, Room, Start
+from scenes.apartment import Apartment, Block, Piece, Room, Start, Threshold
 from simulator.surfaces import FloorCovers, floor_covers, seen_surfaces
 from simulator.world import World
+
+from .plans import two_rooms
 
 RING = Block(
     polygon=((-0.2, -0.2), (4.2, -0.2), (4.2, 3.2), (-0.2, 3.2)),
@@ -72,6 +74,21 @@ def test_rugs_are_driven_over_and_tilt():
     assert (roll, pitch) == (0.0, pytest.approx(-np.arctan(0.008 / 0.10)))
     assert covers.tilt(np.array([2.0, 1.5, 1.0]), 0.22, 0.10) == (0.0, 0.0)
     assert covers.tilt(np.array([0.5, 0.5, 1.0]), 0.22, 0.10) == (0.0, 0.0)
+
+
+def test_a_threshold_tilts_as_one_drives_over_it():
+    place = two_rooms(threshold=Threshold(height=0.008, depth=0.04))
+    covers = floor_covers(place)
+    assert covers.heights == [0.008]
+    # Across the wall's middle at x = 2.06: the castor 0.10 m ahead first, then both wheels.
+    step = np.arctan(0.008 / 0.10)
+    for x, pitch in ((1.93, 0.0), (1.95, -step), (1.99, 0.0), (2.06, step), (2.09, 0.0)):
+        assert covers.tilt(np.array([x, 1.2, 0.0]), 0.22, 0.10) == (0.0, pytest.approx(pitch))
+    # At a slant of 45° the right wheel and the castor are on it, the left wheel is not.
+    x, y = 2.06 - 0.11 * np.sqrt(0.5), 1.2 + 0.11 * np.sqrt(0.5)
+    roll, pitch = covers.tilt(np.array([x, y, np.pi / 4]), 0.22, 0.10)
+    assert roll == pytest.approx(-np.arctan(0.008 / 0.22))
+    assert pitch == pytest.approx(np.arctan((0.004 - 0.008) / 0.10))
 
 
 def test_without_covers_the_floor_is_level():
