@@ -73,7 +73,10 @@ def free_region(apartment: Apartment, radius: float) -> shapely.Geometry:
 
 
 def reachable_positions(
-    apartment: Apartment, radius: float = ROBOT_RADIUS, spacing: float = 0.05
+    apartment: Apartment,
+    radius: float = ROBOT_RADIUS,
+    spacing: float = 0.05,
+    start: tuple[float, float] | None = None,
 ) -> Floats:
     """Grid points that the robot's centre can reach from the start.
 
@@ -84,6 +87,8 @@ def reachable_positions(
         Robot radius, m.
     spacing : float
         Grid spacing, m; the grid has a point at the scene's origin.
+    start : tuple of float, optional
+        m; default: the apartment's.
 
     Returns
     -------
@@ -95,11 +100,12 @@ def reachable_positions(
     SceneError
         If the robot does not fit where it starts.
     """
-    start = shapely.Point(apartment.start.position)
-    parts = [part for part in polygons(free_region(apartment, radius)) if part.intersects(start)]
+    position = apartment.start.position if start is None else start
+    place = shapely.Point(position)
+    parts = [part for part in polygons(free_region(apartment, radius)) if part.dwithin(place, 1e-4)]
     if not parts:
         raise SceneError(
-            f"{apartment.name}: start.position {apartment.start.position}: expected free floor "
+            f"{apartment.name}: start.position {position}: expected free floor "
             f"for a robot of {radius} m radius"
         )
     low = np.floor(np.array(parts[0].bounds[:2]) / spacing).astype(int)

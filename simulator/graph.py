@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Nodes = NDArray[np.int64]
 
+_TOLL = 5.0
+"""A way through a place that barred the robot counts as so much longer, m."""
+
 
 class MapGraph:
     """Growing arrays; node k is row k of everything."""
@@ -31,6 +34,7 @@ class MapGraph:
         self._buckets = _Buckets(np.full(_BUCKETS, -1), np.zeros(256, np.int64))
         self._edges = np.zeros((256, 2), np.int32)
         self._edge_count = 0
+        self._barred: list[int] = []
         self.visits: list[tuple[float, int]] = []
         self._near: set[int] = set()
 
@@ -96,8 +100,19 @@ class MapGraph:
         """Whether an edge joins the nodes from ``first`` on to older ones."""
         return bool(((self.edges[:, 0] < first) & (self.edges[:, 1] >= first)).any())
 
+    def bar(self, point: Floats, radius: float) -> None:
+        """Make ways along the edges within ``radius`` m of a point (2,), m, longer.
+
+        They stay in the map: where there is no other way, it is tried again.
+        """
+        start = self.position[self.edges[:, 0]]
+        along, offset = self.position[self.edges[:, 1]] - start, point - start
+        share = (offset * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-12)
+        gap = offset - np.clip(share, 0.0, 1.0)[:, None] * along
+        self._barred.extend(np.flatnonzero(np.hypot(*gap.T) < radius).tolist())
+
     def remove_from(self, first: int) -> None:
-        """Forget the nodes from ``first`` on."""
+        """Forget the nodes from ``first`` on, and their edges: the last ones made."""
         for node in range(len(self) - 1, first - 1, -1):
             _remove(self._estimate, self._buckets, node)
         del self.part[first:]
@@ -105,6 +120,7 @@ class MapGraph:
         kept = self.edges[self.edges[:, 1] < first]
         self._edge_count = len(kept)
         self._edges[: len(kept)] = kept
+        self._barred = [edge for edge in self._barred if edge < len(kept)]
         self.visits = [visit for visit in self.visits if visit[1] < first]
         self._near = {node for node in self._near if node < first}
 
@@ -138,12 +154,13 @@ class MapGraph:
         return np.asarray(near[order])
 
     def weights(self) -> csr_array:
-        """Sparse matrix of edge lengths, m, shape (n, n)."""
+        """Sparse matrix of edge lengths with tolls (`bar`), m, shape (n, n)."""
         n = len(self)
         if not self._edge_count:
             return csr_array((n, n))
         a, b = self.edges.T
         length = np.linalg.norm(self.position[a] - self.position[b], axis=1) + 1e-6
+        np.add.at(length, self._barred, _TOLL)
         return csr_array((length, (a, b)), shape=(n, n))
 
     def routes(self, start: int) -> tuple[Floats, Ints]:

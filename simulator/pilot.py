@@ -34,6 +34,8 @@ _STUCK = 0.1
 """A journey that ended so near to its beginning, m, got stuck, ..."""
 _FORGET = 0.4
 """... and the contacts so far around, m, are then forgotten."""
+_BARRED = 0.1
+"""The map's edges so near to where a journey failed, m, are avoided from then on."""
 _RETRACE = 0.05
 """Spacing of the points of the way back, m."""
 _PASSED = 0.1
@@ -263,7 +265,7 @@ class Pilot:
             if attempt == 0:
                 points = self._shortcut(points)
             begin = self.position.copy()
-            if all(self.drive_to(point) or self.drive_around(point) for point in points):
+            if self._drive_along(points):
                 return True
             if float(np.hypot(*(self.position - begin))) < _STUCK:
                 self.was_stuck = True
@@ -271,6 +273,16 @@ class Pilot:
             else:
                 self.back_off()
         return False
+
+    def _drive_along(self, points: Floats) -> bool:
+        """Drive to way points (k, 2), m; what is in the way bars the map's edges there."""
+        for point in points:
+            if not (self.drive_to(point) or self.drive_around(point)):
+                gap = point - self.position
+                ahead = self.robot.radius * gap / max(float(np.hypot(*gap)), 1e-9)
+                self.vehicle.graph.bar(self.position + ahead, _BARRED)
+                return False
+        return True
 
     def escape(self) -> bool:
         """Leave a place from which nothing can be reached: the way it came, or any way.

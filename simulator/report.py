@@ -33,7 +33,7 @@ class CoverageReport:
     nodes_per_m2 : float
         Nodes per m² of the rooms' total floor area, as in Table 8.
     coverage : float
-        Share of the positions that the robot's centre can reach which lie
+        Share of the positions that the robot's centre can reach from its base which lie
         within ``near`` m of the driven path, 0..1.
     path_length, path_per_m2 : float
         m, and m per m² of total floor area.
@@ -100,7 +100,7 @@ def coverage_report(
     RoomsegError
         If the map has no driven path.
     SceneError
-        If the robot does not fit where the apartment says that it starts.
+        If the run does not begin where the robot fits.
     """
     if topomap.path is None or len(topomap.path.time) == 0:
         raise RoomsegError(f"{topomap.environment}: path: absent, expected a simulated run")
@@ -109,7 +109,8 @@ def coverage_report(
     steps = np.hypot(*np.diff(track, axis=0).T)
     turned = np.diff(np.unwrap(path.true_pose[:, 2]))
     area = floor_area(apartment)
-    reachable = reachable_positions(apartment, topomap.robot_radius, spacing)
+    begin = (float(track[0, 0]), float(track[0, 1]))
+    reachable = reachable_positions(apartment, topomap.robot_radius, spacing, begin)
     return CoverageReport(
         nodes=len(topomap.nodes),
         nodes_per_m2=len(topomap.nodes) / area,

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from scenes.apartment import Apartment, Passage, Piece, Room, Start, Wall
+from scenes.apartment import Apartment, Block, Passage, Piece, Room, Start, Wall
 
 
 def outline(corners, thickness=0.12):
@@ -62,3 +62,21 @@ def two_rooms(door=0.85, start=(0.6, 0.7), heading_deg=0.0, threshold=None):
 def chair(position):
     """A piece that stands on four legs."""
     return Piece(kind="chair", position=position)
+
+
+def slits(width, shelves=3):
+    """A room parted by shelves; beside them a slit of ``width`` m and one of 0.8 m."""
+    side, depth = 3.0, 1.5
+    corners = ((0.0, 0.0), (side, 0.0), (side, depth * (shelves + 1)), (0.0, depth * (shelves + 1)))
+    blocks = []
+    for middle in depth * np.arange(1, shelves + 1):
+        low, high = float(middle) - 0.05, float(middle) + 0.05
+        footprint = ((width, low), (side - 0.8, low), (side - 0.8, high), (width, high))
+        blocks.append(Block(polygon=footprint, top=1.0, material="white_paint"))
+    return Apartment(
+        name="slits",
+        rooms=(Room(name="room", polygon=corners),),
+        walls=outline(corners),
+        blocks=tuple(blocks),
+        start=Start(position=(1.5, 0.6), heading_deg=0.0),
+    )

@@ -17,7 +17,7 @@ from scenes.apartment import Threshold
 from scenes.solids import obstacles
 from simulator import RobotSpec, SensorSpec, coverage_report, simulate
 
-from .plans import box_room, two_rooms
+from .plans import box_room, slits, two_rooms
 
 
 def lanes(topomap):
@@ -207,6 +207,14 @@ def test_narrow_and_wide_doorways_are_passed(door):
     topomap = simulate(plan, seed=5)
     assert topomap.ground_truth.room_count == 2
     assert coverage_report(topomap, plan).coverage >= 0.97
+
+
+def test_a_slit_that_is_too_tight_is_not_tried_for_ever():
+    """Nodes on either side of a slit are joined, as the map may place its sides a little off."""
+    plan = slits(0.295)
+    report = coverage_report(simulate(plan, seed=0), plan)
+    assert report.coverage >= 0.98 and report.from_home < 0.3
+    assert report.path_length < 3.5 * report.shortest_path
 
 
 def test_without_noise_the_estimate_is_the_truth():

@@ -35,6 +35,28 @@ def test_a_node_without_an_edge_has_no_path():
     assert length[3] == np.inf and previous[3] < 0 and previous[0] < 0
 
 
+def test_a_barred_place_is_gone_around():
+    """A square: two ways of 1 m and 3 m from corner to corner."""
+    graph = MapGraph()
+    for k, corner in enumerate([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]):
+        graph.add_node(np.array([*corner, 0.0]), np.zeros(5), 0, 0, float(k))
+        if k:
+            graph.add_edge(k - 1, k)
+    graph.add_edge(0, 3)
+    assert graph.routes(0)[0][3] == pytest.approx(1.0, abs=1e-4)
+    graph.bar(np.array([0.05, 0.5]), 0.1)
+    length, previous = graph.routes(0)
+    assert length[3] == pytest.approx(3.0, abs=1e-4) and previous[3] == 2
+    assert length[1] == pytest.approx(1.0, abs=1e-4)
+    # Where there is no other way, it is tried again; and a forgotten edge leaves no toll.
+    graph.bar(np.array([0.5, 0.0]), 0.1)
+    assert np.isfinite(graph.routes(0)[0]).all()
+    graph.remove_from(3)
+    graph.add_node(np.array([0.0, 1.0, 0.0]), np.zeros(5), 0, 0, 3.0)
+    graph.add_edge(0, 3)
+    assert graph.routes(0)[0][3] == pytest.approx(1.0, abs=1e-4)
+
+
 def test_one_visit_per_approach():
     graph = chain(2)
     graph.visits.clear()

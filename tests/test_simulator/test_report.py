@@ -9,7 +9,7 @@ import pytest
 
 from dataset.errors import RoomsegError
 from dataset.topomap import Path
-from simulator import coverage_report
+from simulator import coverage_report, simulate
 
 from .plans import two_rooms
 
@@ -47,6 +47,15 @@ def test_a_whole_run(two_rooms_map):
     assert report.connected
     assert 0.0 < report.overlap < 0.8
     assert report.turns > 4
+
+
+def test_what_counts_is_what_can_be_reached_from_the_base_of_the_run():
+    """Through a doorway of 25 cm nobody comes: the run in the other room is complete."""
+    plan = two_rooms(door=0.25)
+    topomap = simulate(plan, start=(3.4, 1.8, 0.0))
+    report = coverage_report(topomap, plan)
+    assert topomap.ground_truth.room_count == 1
+    assert report.coverage >= 0.98
 
 
 def test_a_map_without_path_is_refused(two_rooms_map):
