@@ -73,8 +73,9 @@ def place(apartment: Apartment, position: Point, width: float) -> Opening:
     index, _ = nearest_wall(apartment.walls, position)
     wall = apartment.walls[index]
     start, end = np.array(wall.start), np.array(wall.end)
-    along = (end - start) / np.linalg.norm(end - start)
-    centre = start + along * np.dot(np.array(position) - start, along)
+    along = (end - start) / np.sqrt(((end - start) ** 2).sum())
+    # No np.dot: the order of its sum depends on the processor.
+    centre = start + along * ((np.array(position) - start) * along).sum()
     across = np.array([-along[1], along[0]])
     return Opening(index, centre, along, across, width, wall.thickness)
 

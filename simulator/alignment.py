@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.trigonometry import arctangent
+
 __all__ = ["wall_heading"]
 
 Floats = NDArray[np.float64]
@@ -38,7 +40,7 @@ def wall_heading(points: Floats, heading: float) -> float:
     gap = points[b] - points[a]
     length = np.hypot(gap[:, 0], gap[:, 1])
     keep = (length >= _APART[0]) & (length <= _APART[1])
-    angle = np.arctan2(gap[keep, 1], gap[keep, 0]) % (0.5 * np.pi)
+    angle = np.array([arctangent(y, x) for x, y in gap[keep].tolist()]) % (0.5 * np.pi)
     if len(angle) < 8:
         return heading
     centres = np.arange(0.0, 0.5 * np.pi, _WIDTH / 3.0)

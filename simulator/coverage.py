@@ -142,8 +142,8 @@ class CoverageStrategy:
         nodes = np.arange(lane.first, lane.last + 1)
         old = self.vehicle.graph.position[nodes]
         # One straight line, not a copy of the old lane's wobble.
-        across = float((old @ normal).mean()) + spacing
-        points = (old @ along)[:, None] * along + across * normal
+        across = float((old * normal).sum(axis=1).mean()) + spacing
+        points = (old * along).sum(axis=1)[:, None] * along + across * normal
         valid = self._is_uncovered(points, spacing)
         for k in np.flatnonzero(valid)[::-1]:
             if not self.pilot.can_drive(old[k], points[k], self._clearance):

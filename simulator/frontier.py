@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 from simulator.gridcells import CELL, Covered
 from simulator.gridmap import GridMap
 from simulator.robot import RobotSpec
+from simulator.trigonometry import sine_cosine
 
 __all__ = ["Entrance", "Frontier", "find_frontiers", "free_run", "propose_entrance"]
 
@@ -116,7 +117,8 @@ def free_run(
         m, in steps of 5 cm, at most 4 m.
     """
     steps = np.arange(1, round(_RUN_LIMIT / _STEP) + 1)[:, None] * _STEP
-    offsets = steps * np.array([np.cos(heading), np.sin(heading)])
+    sine, cosine = sine_cosine(heading)
+    offsets = steps * np.array([cosine, sine])
     covered = Covered(np.ascontiguousarray(nodes), spec.overlap_radius)
     return grid.free_steps(np.ascontiguousarray(points), offsets, clearance, covered) * _STEP
 
@@ -148,8 +150,8 @@ def propose_entrance(
     runs = np.stack(
         [free_run(grid, nodes, points, h, spec=spec, clearance=clearance) for h in headings], axis=1
     )
-    units = np.stack([np.cos(headings), np.sin(headings)], axis=1)
-    outward = ((points - nodes[node]) @ units.T).argmax(axis=1)
+    units = np.array([sine_cosine(heading) for heading in headings.tolist()])[:, ::-1]
+    outward = ((points - nodes[node])[:, None] * units).sum(axis=2).argmax(axis=1)
     rows = np.arange(len(points))
     left, right = runs[rows, (outward + 1) % 4], runs[rows, (outward + 3) % 4]
     width = left + right

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.compiled import compiled
+from simulator.trigonometry import sine_cosine
 
 __all__ = [
     "BLOCKED",
@@ -96,7 +97,7 @@ def window(cells: Cells, low: Floats, high: Floats, margin: float) -> tuple[int,
 def pass_beams(cells: Cells, pose: Floats, angles: Floats, reach: Floats) -> None:
     """Enter the beams' free parts: every cell on them is seen and less likely an obstacle."""
     for k in range(len(angles)):
-        along_x, along_y = math.cos(angles[k]), math.sin(angles[k])
+        along_y, along_x = sine_cosine(angles[k])
         last = (-1, -1)
         for n in range(math.ceil(reach[k] / CELL - 0.5)):
             length = (n + 0.5) * CELL
@@ -113,8 +114,9 @@ def hit(cells: Cells, pose: Floats, angles: Floats, ranges: Floats) -> None:
     """Enter the beams' spots; ``nan``: none. What was felt stays more than what is seen."""
     for k in range(len(angles)):
         if not math.isnan(ranges[k]):
-            x = pose[0] + ranges[k] * math.cos(angles[k])
-            i, j = cell_at(cells, x, pose[1] + ranges[k] * math.sin(angles[k]))
+            along_y, along_x = sine_cosine(angles[k])
+            x, y = pose[0] + ranges[k] * along_x, pose[1] + ranges[k] * along_y
+            i, j = cell_at(cells, x, y)
             if cells.evidence[i, j] <= HIGH:
                 cells.evidence[i, j] = min(max(cells.evidence[i, j], 0) + HIT, HIGH)
 
@@ -181,7 +183,7 @@ def is_clear(cells: Cells, start: Floats, end: Floats, clearance: float) -> bool
 @compiled
 def is_blocked_ahead(cells: Cells, pose: Floats, distance: float, frontal: float) -> bool:
     """Whether a blocked cell lies ahead; see `simulator.gridmap.GridMap.is_blocked_ahead`."""
-    ahead_x, ahead_y = math.cos(pose[2]), math.sin(pose[2])
+    ahead_y, ahead_x = sine_cosine(pose[2])
     i0, i1, j0, j1 = window(cells, pose, pose, distance)
     for i in range(i0, i1):
         for j in range(j0, j1):

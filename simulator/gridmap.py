@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from simulator import gridcells
 from simulator.gridcells import CELL, Cells, Covered
+from simulator.trigonometry import sine_cosine
 
 __all__ = ["CELL", "GridMap"]
 
@@ -64,8 +65,8 @@ class GridMap:
 
     def add_contact(self, pose: Floats, bearing: float, radius: float) -> None:
         """Enter a bumper contact at ``bearing`` rad from the heading."""
-        angle = pose[2] + bearing
-        point = pose[:2] + radius * np.array([np.cos(angle), np.sin(angle)])
+        sine, cosine = sine_cosine(pose[2] + bearing)
+        point = pose[:2] + radius * np.array([cosine, sine])
         self.evidence[tuple(self.cells(point[None])[0])] = gridcells.CONTACT
 
     def forget_contacts(self, point: Floats, radius: float) -> None:

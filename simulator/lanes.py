@@ -57,7 +57,7 @@ class LaneDriver:
     def lane_through(self, point: Floats, heading: float, part: int) -> Lane | None:
         """Complete a lane: on along ``heading`` without nodes, then back with nodes."""
         along = direction(heading)
-        start = point + float((self.pilot.position - point) @ along) * along
+        start = point + float(((self.pilot.position - point) * along).sum()) * along
         self.pilot.turn_to(heading)
         self.pilot.follow(heading, _FAR, start=start, stop=self._is_covered_ahead, dodge=_DODGE)
         self.pilot.turn_to(heading + np.pi)
@@ -96,14 +96,14 @@ class LaneDriver:
         self._make_node(part)
 
         def stop() -> bool:
-            progress = float((self.pilot.position - start) @ along)
+            progress = float(((self.pilot.position - start) * along).sum())
             made = len(vehicle.graph) - first
             if progress >= made * self.robot.node_spacing - 0.005:
                 self._make_node(part)
                 return opening is not None and self._has_opened(heading, opening)
             return self._is_covered_ahead()
 
-        base = start if line is None else line + float((start - line) @ along) * along
+        base = start if line is None else line + float(((start - line) * along).sum()) * along
         end = self.pilot.follow(heading, _FAR, start=base, stop=stop, dodge=_DODGE)
         if end is End.CONTACT:
             self.pilot.back_off()

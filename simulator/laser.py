@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.compiled import compiled
+from simulator.trigonometry import sine_cosine
 
 __all__ = ["SensorSpec", "Spots", "cast_beams", "measure"]
 
@@ -150,7 +151,7 @@ def cast_beams(
     """
     ranges, cosine, seen = np.full(len(angles), np.inf), np.ones(len(angles)), np.ones(len(angles))
     for k in range(len(angles)):
-        beam_x, beam_y = math.cos(angles[k]), math.sin(angles[k])
+        beam_y, beam_x = sine_cosine(angles[k])
         for w in range(len(walls)):
             along_x = walls[w, 1, 0] - walls[w, 0, 0]
             along_y = walls[w, 1, 1] - walls[w, 0, 1]
@@ -161,7 +162,7 @@ def cast_beams(
                 u = (off_x * beam_y - off_y * beam_x) / determinant
                 if 0.0 <= t < ranges[k] and -1e-12 <= u <= 1.0 + 1e-12:
                     ranges[k] = t
-                    cosine[k] = abs(determinant) / math.hypot(along_x, along_y)
+                    cosine[k] = abs(determinant) / math.sqrt(along_x * along_x + along_y * along_y)
                     seen[k] = reflectance[w]
     return ranges, cosine, seen
 

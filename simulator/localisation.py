@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from simulator.compiled import compiled
 from simulator.robot import RobotSpec, wrap
+from simulator.trigonometry import sine_cosine
 
 __all__ = ["corrected_estimate"]
 
@@ -70,9 +71,9 @@ def _mean_difference(
     for k in range(len(noise)):
         there, here = node_true_poses[k], node_estimates[k]
         gap_x, gap_y = true_pose[0] - there[0], true_pose[1] - there[1]
-        c, s = math.cos(there[2]), math.sin(there[2])
+        s, c = sine_cosine(there[2])
         seen_x, seen_y = c * gap_x + s * gap_y + noise[k, 0], c * gap_y - s * gap_x + noise[k, 1]
-        c, s = math.cos(here[2]), math.sin(here[2])
+        s, c = sine_cosine(here[2])
         shift[0] += here[0] + c * seen_x - s * seen_y - estimate[0]
         shift[1] += here[1] + s * seen_x + c * seen_y - estimate[1]
         turned = here[2] + true_pose[2] - there[2] + noise[k, 2] - estimate[2]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dataset.errors import RoomsegError
 from simulator.detour import plan_detour
 from simulator.robot import wrap
+from simulator.trigonometry import arctangent, sine_cosine
 from simulator.vehicle import Vehicle
 
 __all__ = ["End", "Pilot", "direction"]
@@ -59,7 +60,8 @@ class End(Enum):
 
 def direction(heading: float) -> Floats:
     """Unit vector of a heading, shape (2,)."""
-    return np.array([np.cos(heading), np.sin(heading)])
+    sine, cosine = sine_cosine(heading)
+    return np.array([cosine, sine])
 
 
 @dataclass
@@ -160,7 +162,7 @@ class Pilot:
             After a glancing contact the line is moved aside, by so much in all, m.
         """
         line = self.position if start is None else start
-        along_x, along_y = math.cos(heading), math.sin(heading)
+        along_y, along_x = sine_cosine(heading)
         aside = _Aside(dodge)
         while True:
             x, y = (self.position - line).tolist()
@@ -201,7 +203,7 @@ class Pilot:
             length = float(np.hypot(*gap))
             if length < 0.015:
                 return True
-            heading = float(np.arctan2(gap[1], gap[0]))
+            heading = arctangent(gap[1], gap[0])
             self.turn_to(heading)
             if self.follow(heading, length, careful=False, dodge=0.03 * tries) is End.CONTACT:
                 self.back_off()
@@ -341,9 +343,9 @@ class Pilot:
     def _steering(self, heading: float, cross: float, remaining: float) -> tuple[float, float]:
         """Speed and turn rate that lead back to the line."""
         robot = self.robot
-        error = wrap(heading - math.atan(4.0 * cross) - float(self.vehicle.estimate[2]))
+        error = wrap(heading - arctangent(4.0 * cross, 1.0) - float(self.vehicle.estimate[2]))
         turn = min(max(3.0 * error, -robot.turn_rate), robot.turn_rate)
-        speed = min(robot.speed, remaining / robot.time_step) * max(math.cos(error), 0.1)
+        speed = min(robot.speed, remaining / robot.time_step) * max(sine_cosine(error)[1], 0.1)
         return speed, turn
 
     def _is_blocked_ahead(self) -> bool:

@@ -19,6 +19,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.trigonometry import sine_cosine
+
 __all__ = ["RobotSpec", "WheelSlip", "arc", "wrap"]
 
 Floats = NDArray[np.float64]
@@ -182,9 +184,9 @@ def arc(pose: Floats, left: float, right: float, wheel_base: float) -> Floats:
     """
     turn = (right - left) / wheel_base
     half = 0.5 * turn
-    chord = 0.5 * (left + right) * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
-    middle = pose[2] + half
-    x, y = pose[0] + chord * math.cos(middle), pose[1] + chord * math.sin(middle)
+    chord = 0.5 * (left + right) * (sine_cosine(half)[0] / half if abs(half) > 1e-9 else 1.0)
+    sine, cosine = sine_cosine(pose[2] + half)
+    x, y = pose[0] + chord * cosine, pose[1] + chord * sine
     return np.array([x, y, wrap(pose[2] + turn)])
 
 
@@ -200,7 +202,9 @@ class WheelSlip:
     def roll(self, left: float, right: float) -> tuple[float, float]:
         """True travel of both wheels, m, for the commanded travel, m."""
         spec = self._spec
-        keep = math.exp(-max(abs(left), abs(right)) / spec.slip_memory)
+        share = max(abs(left), abs(right)) / spec.slip_memory
+        # exp(-share) by Padé: the library's differs in the last bit between processors.
+        keep = (12.0 - share * (6.0 - share)) / (12.0 + share * (6.0 + share))
         spread = spec.slip_noise * math.sqrt(1.0 - keep * keep)
         fresh = self._rng.standard_normal(2)
         wander = [keep * w + spread * float(f) for w, f in zip(self._wander, fresh, strict=True)]

@@ -12,7 +12,6 @@ one, the robot, and its camera with it, is tilted.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,6 +23,7 @@ from scenes.apartment import DRIVEN_OVER, Apartment
 from scenes.materials import LAMP_PREFIX, resolve
 from scenes.mesh import wall_materials
 from scenes.solids import WALL, Prism, apartment_solids
+from simulator.trigonometry import arctangent, sine_cosine
 
 __all__ = ["FloorCovers", "Surfaces", "boundary", "floor_covers", "seen_surfaces"]
 
@@ -76,12 +76,13 @@ class FloorCovers:
         """
         if not self.shapes:
             return 0.0, 0.0
-        ahead = np.array([math.cos(pose[2]), math.sin(pose[2])])
+        sine, cosine = sine_cosine(pose[2])
+        ahead = np.array([cosine, sine])
         left = np.array([-ahead[1], ahead[0]]) * 0.5 * wheel_base
         points = pose[:2] + np.stack([left, -left, castor * ahead])
         left_height, right_height, front = self.height(points).tolist()
-        roll = math.atan2(left_height - right_height, wheel_base)
-        return roll, math.atan2(0.5 * (left_height + right_height) - front, castor)
+        roll = arctangent(left_height - right_height, wheel_base)
+        return roll, arctangent(0.5 * (left_height + right_height) - front, castor)
 
 
 def boundary(region: shapely.Geometry) -> Floats:

@@ -16,6 +16,7 @@ from simulator.gridmap import GridMap
 from simulator.laser import SensorSpec, measure
 from simulator.localisation import corrected_estimate
 from simulator.robot import RobotSpec, WheelSlip, arc, wrap
+from simulator.trigonometry import sine_cosine
 from simulator.world import World
 
 __all__ = ["Vehicle"]
@@ -139,8 +140,8 @@ class Vehicle:
         self.grid.add_body(self.estimate, self.robot.radius)
         self.grid.add_scan(self.estimate, angles, ranges, min(_FREE_WITHOUT_SPOT, reach))
         beam = np.flatnonzero(np.isfinite(ranges))
-        direction = np.stack([np.cos(angles[beam]), np.sin(angles[beam])], axis=1)
-        points = self.estimate[:2] + ranges[beam, None] * direction
+        direction = np.array([sine_cosine(angle) for angle in angles[beam].tolist()]).reshape(-1, 2)
+        points = self.estimate[:2] + ranges[beam, None] * direction[:, ::-1]
         self._points.append(np.column_stack([points, np.full(len(beam), self.time), beam]))
 
     def _correct(self) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from simulator.compiled import compiled
 from simulator.laser import Spots, cast_beams
 from simulator.surfaces import FloorCovers, Surfaces, boundary
+from simulator.trigonometry import arctangent
 
 __all__ = ["World"]
 
@@ -141,4 +142,4 @@ def _nearest(x: float, y: float, cells: _Cells) -> tuple[float, float]:
         squared = off_x * off_x + off_y * off_y
         if squared < best:
             best, gap_x, gap_y = squared, off_x, off_y
-    return math.sqrt(best), math.atan2(gap_y, gap_x)
+    return math.sqrt(best), arctangent(gap_y, gap_x)

@@ -18,6 +18,7 @@ from types import MappingProxyType
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from scenes.apartment import Piece
 from scenes.parts import Part, Parts
@@ -90,12 +91,16 @@ def piece_parts(piece: Piece) -> list[Part]:
     angle = np.radians(piece.rotation_deg)
     # Rounding keeps quarter turns exact, so that edges stay parallel to the walls.
     c, s = round(float(np.cos(angle)), 15), round(float(np.sin(angle)), 15)
-    turn = np.array([[c, s], [-s, c]])
     parts = list(kind.build(*(piece.size or kind.size), **piece.materials))
     z = kind.elevation if piece.elevation is None else piece.elevation
-    footprints = shapely.transform(
-        [part.footprint for part in parts], lambda xy: xy @ turn + np.array(piece.position)
-    )
+
+    def moved(xy: NDArray[np.float64]) -> NDArray[np.float64]:
+        x, y = xy.T
+        turned = np.column_stack([c * x - s * y, s * x + c * y])
+        # To the nanometre, as sines differ in the last bit between processors.
+        return np.round(turned + np.array(piece.position), 9)
+
+    footprints = shapely.transform([part.footprint for part in parts], moved)
     return [
         Part(shape, part.bottom + z, part.top + z, part.material)
         for shape, part in zip(footprints, parts, strict=True)
