@@ -61,12 +61,12 @@ TABLE_8 = {
 
 def one_run(name: str, number: int, seed: int) -> dict[str, Any]:
     """Clean a place once; figures of the run."""
-    from roomseg.cli.simulate import run_seed
+    from roomseg.cli.runs import run_seed
     from scenes import load_apartment
     from simulator import coverage_report, simulate
 
     apartment = load_apartment(name)
-    topomap = simulate(apartment, run=f"run{number}", seed=run_seed(seed, number))
+    topomap = simulate(apartment, run=f"run{number}", seed=run_seed(seed, apartment.name, number))
     return {"place": name, "run": number} | asdict(coverage_report(topomap, apartment))
 
 

@@ -10,6 +10,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
+from scenes.trigonometry import sine_cosine
+
 __all__ = ["LEG", "Part", "Parts", "Span", "cuboid", "cylinder", "four_legs", "hangs", "plate"]
 
 LEG = 0.05
@@ -96,8 +98,9 @@ def cylinder(
     if not min(radii) > 0.0:
         raise ValueError(f"no room for its {material}")
     angle = (np.arange(corners) + 0.5) * 2.0 * np.pi / corners
-    x, y = radii[0] * np.cos(angle), radii[1] * np.sin(angle)
-    return Part(Polygon(np.column_stack([centre[0] + x, centre[1] + y])), z[0], z[1], material)
+    sine, cosine = np.array([sine_cosine(a) for a in angle.tolist()]).T
+    ring = np.column_stack([centre[0] + radii[0] * cosine, centre[1] + radii[1] * sine])
+    return Part(Polygon(ring), z[0], z[1], material)
 
 
 def four_legs(

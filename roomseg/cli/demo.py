@@ -46,8 +46,7 @@ def command(ctx: click.Context, *, output: Path, preset: str, seed: int) -> None
 
     preset_named(preset)  # refused before anything is made
     maps = tuple(output / f"{place}-run1.h5" for place in PLACES)
-    for place in PLACES:
-        ctx.invoke(simulate.command, apartment=place, output=output, seed=seed)
+    ctx.invoke(simulate.command, apartments=PLACES, output=output, seed=seed)
     ctx.invoke(render.command, maps=maps, preset=preset)
     labelled = labelled_maps(maps, "all")
     with progress_bar("combinations") as bar:

@@ -215,7 +215,12 @@ def _write_all(items: list[Item], jobs: int) -> Iterator[str | None]:
         return
     from roomseg.cli.parallel import in_processes
 
-    yield from in_processes(_write, items, jobs)
+    yield from in_processes(_write, items, jobs, _lost)
+
+
+def _lost(item: Item) -> str:
+    """What to say of an apartment over which a process died twice."""
+    return f"{item[2]}: its process died; is there enough memory?"
 
 
 def _write(item: Item) -> str | None:

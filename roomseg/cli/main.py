@@ -22,7 +22,7 @@ COMMANDS = {
     "generate": "Make up an apartment.",
     "import": "Make an apartment of a grid map, a floor plan or a 3D scene.",
     "export": "Write an apartment for other programs.",
-    "simulate": "Clean an apartment and record maps.",
+    "simulate": "Clean apartments and record maps.",
     "render": "Add camera images to maps.",
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from typing import TypeVar
 
 __all__ = ["in_processes"]
@@ -16,9 +19,15 @@ Result = TypeVar("Result")
 
 
 def in_processes(
-    work: Callable[[Item], Result], items: Sequence[Item], jobs: int
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    jobs: int,
+    lost: Callable[[Item], Result],
 ) -> Iterator[Result]:
     """Yield the results of ``work`` as they come, in whatever order.
+
+    If a process dies (killed, out of memory), the others are begun anew. What was being
+    worked on then is tried again at the end, one thing at a time.
 
     Parameters
     ----------
@@ -27,25 +36,52 @@ def in_processes(
     items : sequence
     jobs : int
         How many processes.
-
-    Raises
-    ------
-    RoomsegError
-        If a process dies.
+    lost : callable
+        Makes the result of an item over which a process died twice.
     """
-    from dataset.errors import RoomsegError
-
-    # Spawned, not forked: threads of numerical libraries do not survive a fork.
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_die_quietly)
-    try:
-        for future in as_completed([pool.submit(work, item) for item in items]):
-            yield future.result()
-    except BrokenProcessPool as error:
-        raise RoomsegError("a process died; call the command again to go on") from error
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    suspects: list[Item] = []
+    yield from _work_through(work, deque(items), jobs, suspects)
+    for item in suspects:
+        dead: list[Item] = []
+        yield from _work_through(work, deque([item]), 1, dead)
+        yield from map(lost, dead)
 
 
-def _die_quietly() -> None:
-    """Ctrl-C reaches the whole process group; only the parent has something to say about it."""
+def _work_through(
+    work: Callable[[Item], Result], rest: deque[Item], jobs: int, dead: list[Item]
+) -> Iterator[Result]:
+    """Results of all items but those that a process died over, which are added to ``dead``."""
+    while rest:
+        # Spawned, not forked: threads of numerical libraries do not survive a fork.
+        pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_begin)
+        running: dict[Future[Result], Item] = {}
+        try:
+            while rest or running:
+                while rest and len(running) < jobs:
+                    running[pool.submit(work, rest[0])] = rest[0]
+                    rest.popleft()
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    result = future.result()
+                    del running[future]
+                    yield result
+        except BrokenProcessPool:
+            finished = [f for f in running if f.done() and f.exception() is None]
+            dead.extend(item for future, item in running.items() if future not in finished)
+            yield from (future.result() for future in finished)
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _begin() -> None:
+    """What a process does first."""
+    # Ctrl-C reaches the whole process group; only the parent has something to say about it.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A parent that was killed cannot tell its processes to end."""
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)

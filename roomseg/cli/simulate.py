@@ -1,56 +1,34 @@
-"""``roomseg simulate``: clean an apartment and record maps."""
+"""``roomseg simulate``: clean apartments and record maps."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
 from datetime import datetime
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
-import numpy as np
 
 from roomseg.cli.options import jobs_option, json_option, seed_option
-from roomseg.cli.output import progress_bar, write_json
+from roomseg.cli.output import counted, follow, progress_bar, write_json
+from roomseg.cli.runs import Outcome, Run, attempt, lost, recognise, run_seed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from dataset import FisheyeCamera
-    from scenes import Apartment
-    from simulator import CoverageReport, RobotSpec, SensorSpec
-
-    Show = Callable[[int, float], None]
-    """Told the nodes and the simulated seconds."""
-
-
-@dataclass(frozen=True)
-class _Run:
-    """One cleaning run to be simulated, as it is sent to another process."""
-
-    apartment: Apartment
-    name: str
-    seed: int
-    created: str
-    output: Path
-    robot: RobotSpec
-    sensor: SensorSpec
-    camera: FisheyeCamera
-    start: tuple[float, float, float] | None = None
-
+    from simulator import CoverageReport
 
 EXAMPLE = """\b
 Example:
   roomseg simulate home7.json --runs 3 -o maps
-  roomseg simulate sim4 --runs 5 --seed 1 --jobs 2 -o maps
+  roomseg simulate homes/*.json --runs 2 --random-starts --jobs 2 -o maps
   roomseg simulate sim4 --robot wide.toml -o wide
   roomseg simulate --reference-set --jobs 2 -o maps
 """
 
 
 @click.command("simulate", epilog=EXAMPLE)
-@click.argument("apartment", required=False)
+@click.argument("apartments", nargs=-1, metavar="APARTMENT...")
 @click.option(
     "--reference-set",
     is_flag=True,
@@ -58,7 +36,16 @@ Example:
     "(docs/places.md), instead of APARTMENT; each has its own seed, start and robot.",
 )
 @click.option(
-    "--runs", type=click.IntRange(1, 1000), default=1, show_default=True, help="Cleaning runs."
+    "--runs",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    help="Cleaning runs in each apartment.",
+)
+@click.option(
+    "--random-starts",
+    is_flag=True,
+    help="Begin each run at a pose of its own, anywhere within reach of the apartment's start.",
 )
 @seed_option
 @click.option(
@@ -86,9 +73,10 @@ Example:
 @json_option
 def command(
     *,
-    apartment: str | None,
+    apartments: tuple[str, ...],
     reference_set: bool,
     runs: int,
+    random_starts: bool,
     seed: int,
     output: Path,
     robot_file: Path | None,
@@ -97,126 +85,188 @@ def command(
     force: bool,
     json_file: Path | None,
 ) -> None:
-    """Clean APARTMENT and write one map file per run.
+    """Clean every APARTMENT and write one map file per run.
 
     APARTMENT is a file or the name of a reference place. Maps that are already
-    there are left alone, so that a stopped command can be called again. If the
-    apartment has a 3D scene of its own, that is put beside the maps.
+    there are left alone, so that a stopped command can be called again. If an
+    apartment has a 3D scene of its own, that is put beside the maps. What fails
+    is listed at the end; the other runs go on.
     """
-    _check_date(created)
-    if reference_set:
-        _check_alone(click.get_current_context())
-        wanted = _reference_set(output, created)
-    elif apartment is None:
-        raise click.UsageError("Missing argument 'APARTMENT', or --reference-set.")
-    else:
-        wanted = _runs_of(
-            apartment, robot_file, runs=runs, seed=seed, output=output, created=created
-        )
-    todo = []
-    for run in wanted:
-        if run.output.exists() and not force:
-            _check_same(run)
-            click.echo(f"{run.output}: already there")
-        else:
-            todo.append(run)
-    reports = _report_all(todo, jobs) if todo else {}
-    figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
-    write_json(json_file, {"seed": seed, "maps": figures})
-
-
-def _runs_of(
-    apartment: str, robot_file: Path | None, *, runs: int, seed: int, output: Path, created: str
-) -> list[_Run]:
-    """The runs asked for in one apartment; its own 3D scene is put beside the maps."""
     from dataset import SIMULATED_CAMERA
-    from scenes import load_apartment
-    from scenes.scene_file import take_scene_file
     from simulator import RobotSpec, SensorSpec, read_specs
 
+    _check_date(created)
+    _check_reference_set(click.get_current_context())
     robot, sensor = read_specs(robot_file) if robot_file else (RobotSpec(), SensorSpec())
-    place = load_apartment(apartment)
     output.mkdir(parents=True, exist_ok=True)
-    take_scene_file(place, Path(apartment).parent, output)
-    wanted = []
-    for number in range(1, runs + 1):
-        name, path = f"run{number}", output / f"{place.name}-run{number}.h5"
-        own_seed = run_seed(seed, number)
-        wanted.append(_Run(place, name, own_seed, created, path, robot, sensor, SIMULATED_CAMERA))
-    return wanted
+    sources, problems = _by_name(apartments, output)
+    if reference_set:
+        wanted = _reference_runs(output, created)
+    else:
+        start: Literal["random"] | None = "random" if random_starts else None
+        usual = Run("", "", 0, created, output, robot, sensor, SIMULATED_CAMERA, start)
+        wanted = [*_runs_in(sources, usual, runs, seed)]
+    there = {run.output for run in wanted if not force and run.output.exists()}
+    outcomes = [*_recognise([r for r in wanted if r.output in there], judged=json_file is not None)]
+    todo = [run for run in wanted if run.output not in there]
+    outcomes += _clean(todo, jobs, before=len(there)) if todo else ()
+    reports = {o.output: o.report for o in outcomes if o.report is not None}
+    figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
+    write_json(json_file, {"seed": seed, "maps": figures})
+    problems += [outcome.problem for outcome in outcomes if outcome.problem is not None]
+    if len(apartments) > 1:
+        made = sum(outcome.problem is None for outcome in outcomes)
+        click.echo(f"{output}: {counted(made, 'map')}, {len(there)} of them there before")
+    _tell(problems)
 
 
-def _reference_set(output: Path, created: str) -> list[_Run]:
+def _by_name(apartments: Sequence[str], output: Path) -> tuple[dict[str, str], list[str]]:
+    """Sources of the apartments by name, and one line on each that cannot be read.
+
+    The 3D scenes that belong to them are put into the folder of the maps.
+
+    Raises
+    ------
+    RoomsegError
+        If two have the same name: the maps of one would stand for those of the other.
+    """
+    from dataset import RoomsegError
+    from scenes import SceneError, load_apartment
+    from scenes.scene_file import take_scene_file
+
+    sources: dict[str, str] = {}
+    problems = []
+    for source in apartments:
+        try:
+            place = load_apartment(source, checked=False)
+            take_scene_file(place, Path(source).parent, output)
+        except SceneError as error:
+            problems.append(str(error))
+            continue
+        if place.name in sources:
+            raise RoomsegError(
+                f"{source}: name: {place.name!r}, as in {sources[place.name]}; expected another "
+                "one, as the maps are named after it"
+            )
+        sources[place.name] = source
+    return sources, problems
+
+
+def _runs_in(sources: Mapping[str, str], usual: Run, count: int, seed: int) -> Iterator[Run]:
+    """So many runs in each apartment, otherwise as ``usual``, whose output is the folder."""
+    for place, source in sources.items():
+        for number in range(1, count + 1):
+            name = f"run{number}"
+            yield replace(
+                usual,
+                apartment=source,
+                name=name,
+                seed=run_seed(seed, place, number),
+                output=usual.output / f"{place}-{name}.h5",
+            )
+
+
+def _reference_runs(output: Path, created: str) -> list[Run]:
     """All runs of the reference set."""
-    from scenes import load_apartment
     from simulator import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS
 
-    output.mkdir(parents=True, exist_ok=True)
-    wanted = []
-    for run in (*REFERENCE_RUNS, *NEW_RUNS, *NOVEL_RUNS):
-        place, path = load_apartment(run.place), output / run.file_name
-        x, y, heading = run.start
-        start = (x, y, radians(heading))
-        wanted.append(
-            _Run(place, run.name, run.seed, created, path, run.robot, run.sensor, run.camera, start)
+    return [
+        Run(
+            apartment=run.place,
+            name=run.name,
+            seed=run.seed,
+            created=created,
+            output=output / run.file_name,
+            robot=run.robot,
+            sensor=run.sensor,
+            camera=run.camera,
+            start=(*run.start[:2], radians(run.start[2])),
         )
-    return wanted
+        for run in (*REFERENCE_RUNS, *NEW_RUNS, *NOVEL_RUNS)
+    ]
 
 
-def _check_alone(context: click.Context) -> None:
-    """Refuse what would not be heeded beside --reference-set."""
-    given = click.core.ParameterSource.COMMANDLINE
-    for name, text in (
-        *(("apartment", "APARTMENT"), ("runs", "--runs")),
-        *(("seed", "--seed"), ("robot_file", "--robot")),
-    ):
-        if context.get_parameter_source(name) == given and context.params[name] is not None:
-            raise click.UsageError(f"{text} does not go with --reference-set, which says it all.")
+def _recognise(runs: Sequence[Run], *, judged: bool) -> Iterator[Outcome]:
+    """Look at the maps that are there, with a line for each that is as wanted."""
+    for run in runs:
+        outcome = recognise(run, judged=judged)
+        if outcome.problem is None:
+            click.echo(f"{run.output}: already there")
+        yield outcome
 
 
-def _check_same(run: _Run) -> None:
-    """Refuse to take the map of another apartment or seed for the one that is wanted."""
-    from dataset import RoomsegError, read_map
-    from simulator import settings_of
+def _clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
+    """Simulate, with a line of progress, and a line of figures for each run.
 
-    topomap = read_map(run.output)
-    place, seed = run.apartment.model_dump_json(), run.seed
-    same = {
-        "apartment": topomap.scene == place,
-        "seed": topomap.seed == seed,
-        "robot": topomap.robot == settings_of(run.robot),
-        "robot's sensors": topomap.sensor == settings_of(run.sensor),
-    }
-    if not all(same.values()):
-        what = next(name for name, agrees in same.items() if not agrees)
-        raise RoomsegError(
-            f"{run.output}: already there, but of another {what}; "
-            "choose another folder, or simulate again (--force)"
-        )
-
-
-def _report_all(runs: list[_Run], jobs: int) -> dict[Path, CoverageReport]:
-    """Simulate, with a line of progress, and a line of figures for each run."""
-    reports = {}
+    ``before``: how many runs were done before.
+    """
     with progress_bar("runs") as bar:
-        task = bar.add_task("cleaning", total=len(runs))
+        show = follow(bar, runs[0].output.parent.name or "maps")
+        show(before, before + len(runs))
 
-        def show(nodes: int, seconds: float) -> None:
-            bar.update(task, description=f"{nodes} nodes, {seconds / 60:.0f} min")
+        def tell(nodes: int, seconds: float) -> None:
+            name = f"{nodes} nodes, {seconds / 60:.0f} min"
+            bar.update(bar.task_ids[0], description=name)
 
-        for path, report in _simulate_all(runs, jobs, show):
-            reports[path] = report
-            bar.advance(task)
-            click.echo(f"{path}: {_line(report)}")
-    return reports
+        for done, outcome in enumerate(_outcomes(runs, jobs, tell), before + 1):
+            show(done, before + len(runs))
+            if outcome.report is not None:
+                click.echo(f"{outcome.output}: {_line(outcome.report)}")
+            if outcome.trace is not None:
+                click.echo(outcome.trace, err=True)
+            yield outcome
+
+
+def _outcomes(
+    runs: Sequence[Run], jobs: int, show: Callable[[int, float], None]
+) -> Iterator[Outcome]:
+    """Simulate in this process, which tells more, or in several."""
+    if jobs == 1 or len(runs) < 2:
+        yield from (attempt(run, show) for run in runs)
+        return
+    from roomseg.cli.parallel import in_processes
+
+    yield from in_processes(attempt, runs, jobs, lost)
 
 
 def _line(report: CoverageReport) -> str:
     return (
         f"{report.nodes} nodes, {100 * report.coverage:.1f} % covered, "
-        f"{report.path_length:.0f} m driven in {report.duration / 60:.0f} min, "
-        f"{report.nodes_per_m2:.1f} nodes/m², drift {report.drift:.2f} m"
+        f"{report.path_length:.0f} m driven in {report.duration / 60:.0f} min "
+        f"(shortest possible {report.shortest_path:.0f} m), "
+        f"{100 * report.overlap:.0f} % overlap, {report.turns:.0f} turns, "
+        f"drift {report.drift:.2f} m"
     )
+
+
+def _tell(problems: Sequence[str]) -> None:
+    """List what failed, each cause once.
+
+    Raises
+    ------
+    RoomsegError
+        The last of them.
+    """
+    from dataset import RoomsegError
+
+    *others, last = dict.fromkeys(problems) or [None]
+    for problem in others:
+        click.echo(f"roomseg: error: {problem}", err=True)
+    if last is not None:
+        raise RoomsegError(last)
+
+
+def _check_reference_set(context: click.Context) -> None:
+    """Refuse what would not be heeded beside --reference-set, and nothing at all."""
+    if not context.params["reference_set"]:
+        if not context.params["apartments"]:
+            raise click.UsageError("Missing argument 'APARTMENT...', or --reference-set.")
+        return
+    given = click.core.ParameterSource.COMMANDLINE
+    others = {"apartments": "APARTMENT", "runs": "--runs", "random_starts": "--random-starts"}
+    for name, text in (others | {"seed": "--seed", "robot_file": "--robot"}).items():
+        if context.get_parameter_source(name) == given and context.params[name] not in (None, ()):
+            raise click.UsageError(f"{text} does not go with --reference-set, which says it all.")
 
 
 def _check_date(text: str) -> None:
@@ -227,44 +277,3 @@ def _check_date(text: str) -> None:
             f"{text!r} is no ISO date, expected one like 2026-01-31T12:00:00Z",
             param_hint="'--created'",
         ) from None
-
-
-def run_seed(seed: int, number: int) -> int:
-    """Seed of one run: independent of the others, and of how many there are."""
-    return int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-
-
-def _simulate_all(runs: list[_Run], jobs: int, show: Show) -> Iterator[tuple[Path, CoverageReport]]:
-    if jobs == 1 or len(runs) < 2:
-        yield from (_simulate(run, show) for run in runs)
-        return
-    from roomseg.cli.parallel import in_processes
-
-    yield from in_processes(_simulate, runs, jobs)
-
-
-def _simulate(run: _Run, show: Show | None = None) -> tuple[Path, CoverageReport]:
-    """Simulate one run, write its map, and report on it."""
-    from dataset import discard_frames, write_map
-    from dataset.journal import journal_path
-    from roomseg.ground_truth import label_rooms
-    from simulator import coverage_report, simulate
-
-    topomap = simulate(
-        run.apartment,
-        run=run.name,
-        seed=run.seed,
-        robot=run.robot,
-        sensor=run.sensor,
-        camera=run.camera,
-        start=run.start,
-        created=run.created,
-        progress=show,
-    )
-    report = coverage_report(topomap, run.apartment, lane_spacing=run.robot.lane_spacing)
-    topomap = label_rooms(topomap)
-    if journal_path(run.output).exists():
-        # Frames of the map that is being replaced would not fit the new one.
-        discard_frames(run.output)
-    write_map(run.output, topomap)
-    return run.output, report

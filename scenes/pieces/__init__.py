@@ -12,6 +12,7 @@ of the footprint at the origin, the back towards +y, its underside at z = 0.
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -33,6 +34,7 @@ from scenes.pieces import (
     tables,
     walls,
 )
+from scenes.trigonometry import sine_cosine
 
 __all__ = ["KINDS", "Kind", "piece_parts"]
 
@@ -88,17 +90,17 @@ def piece_parts(piece: Piece) -> list[Part]:
         If the size leaves no room for a part.
     """
     kind = KINDS[piece.kind]
-    angle = np.radians(piece.rotation_deg)
     # Rounding keeps quarter turns exact, so that edges stay parallel to the walls.
-    c, s = round(float(np.cos(angle)), 15), round(float(np.sin(angle)), 15)
+    s, c = (round(value, 15) for value in sine_cosine(math.radians(piece.rotation_deg)))
     parts = list(kind.build(*(piece.size or kind.size), **piece.materials))
     z = kind.elevation if piece.elevation is None else piece.elevation
 
     def moved(xy: NDArray[np.float64]) -> NDArray[np.float64]:
         x, y = xy.T
-        turned = np.column_stack([c * x - s * y, s * x + c * y])
-        # To the nanometre, as sines differ in the last bit between processors.
-        return np.round(turned + np.array(piece.position), 9)
+        turned: NDArray[np.float64] = (
+            np.column_stack([c * x - s * y, s * x + c * y]) + piece.position
+        )
+        return turned
 
     footprints = shapely.transform([part.footprint for part in parts], moved)
     return [

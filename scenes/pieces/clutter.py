@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from scenes.parts import Part, Parts, cuboid, cylinder, plate
+from scenes.trigonometry import sine_cosine
 
 
 def box(w: float = 0.5, d: float = 0.4, h: float = 0.5, *, body: str = "wood_light") -> Parts:
@@ -35,7 +36,9 @@ def cable(
     if w < 10.0 * h or d < 4.0 * h:
         raise ValueError("no room for its bends")
     x = np.linspace(-w / 2 + h, w / 2 - h, 25)
-    y = (d / 2 - h) * np.sin(3.0 * np.pi * x / w) * np.cos(np.pi * x / w) ** 0.5
+    sine = np.array([sine_cosine(3.0 * np.pi * place / w)[0] for place in x.tolist()])
+    cosine = np.array([sine_cosine(np.pi * place / w)[1] for place in x.tolist()])
+    y = (d / 2 - h) * sine * np.sqrt(cosine)
     line = shapely.LineString(np.column_stack([x, y]))
     yield Part(line.buffer(h / 2, quad_segs=2), 0.0, h, sheath)
 

@@ -18,7 +18,7 @@ from cleaned_flat import cleaned_flat, fisheye_image
 from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, read_map, write_map
 from roomseg.classifier import load_model
 from roomseg.cli.main import main
-from roomseg.cli.simulate import run_seed
+from roomseg.cli.runs import run_seed
 from roomseg.evaluation import LabelledMap, train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
 from simulator import CoverageReport, settings_of
