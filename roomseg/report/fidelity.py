@@ -68,10 +68,23 @@ def edge_statistics(maps: Sequence[LabelledMap]) -> Comparison:
     )
 
 
-def feature_statistics(maps: Sequence[LabelledMap]) -> Comparison:
-    """Table 3: area under the ROC curve and Youden's J of every single feature."""
+def feature_statistics(
+    maps: Sequence[LabelledMap], weights: NDArray[np.float64] | None = None
+) -> Comparison:
+    """Table 3: area under the ROC curve and Youden's J of every single feature.
+
+    Parameters
+    ----------
+    maps : sequence of LabelledMap
+    weights : array, optional
+        How many edges each edge of all maps, one after the other, stands for.
+
+    Returns
+    -------
+    Comparison
+    """
     measures = []
-    for name, quality in _qualities(maps).items():
+    for name, quality in _qualities(maps, weights).items():
         paper_auc, tolerance, paper_youden = _TABLE_3[name]
         accepted = (paper_auc - tolerance, paper_auc + tolerance)
         measures += [
@@ -89,10 +102,12 @@ def roc_curves(maps: Sequence[LabelledMap]) -> tuple[RocCurve, ...]:
     )
 
 
-def _qualities(maps: Sequence[LabelledMap]) -> dict[str, FeatureQuality]:
+def _qualities(
+    maps: Sequence[LabelledMap], weights: NDArray[np.float64] | None = None
+) -> dict[str, FeatureQuality]:
     is_border = np.concatenate([item.is_border for item in maps])
     names = maps[0].features.names
-    return {name: feature_quality(_pooled(maps, name), is_border) for name in names}
+    return {name: feature_quality(_pooled(maps, name), is_border, weights) for name in names}
 
 
 def _pooled(maps: Sequence[LabelledMap], name: str) -> NDArray[np.float64]:
