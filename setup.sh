@@ -15,7 +15,7 @@ if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     "$python" -m venv .venv >/dev/null ||
         fail "cannot make a virtual environment (on Debian: apt-get install python3.11-venv)"
 fi
-echo "setup: installing Python packages into .venv (about 400 MB on the first run)"
+echo "setup: installing Python packages into .venv (about 530 MB on the first run)"
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 
 # bpy loads X11 and OpenGL libraries although no window is ever opened.

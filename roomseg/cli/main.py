@@ -21,7 +21,7 @@ COMMANDS = {
     "demo": "All of it, small, in minutes.",
     "generate": "Make up an apartment.",
     "import": "Make an apartment of a grid map, a floor plan or a 3D scene.",
-    "export": "Write an apartment for other programs.",
+    "export": "Write an apartment or a run for other programs.",
     "simulate": "Clean apartments and record maps.",
     "render": "Add camera images to maps.",
     "train": "Train the room-border classifier.",

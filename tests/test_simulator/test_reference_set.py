@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import pairwise
 
 import pytest
 import shapely
@@ -29,7 +30,7 @@ def test_as_many_maps_as_table_8_has():
 def test_files_and_seeds_are_all_different():
     assert len({run.file_name for run in ALL}) == len(ALL)
     seeds = sorted(run.seed for run in ALL)
-    assert min(b - a for a, b in zip(seeds, seeds[1:], strict=False)) > 5000
+    assert min(b - a for a, b in pairwise(seeds)) > 5000
 
 
 @pytest.mark.parametrize("place", sorted({run.place for run in ALL}))
