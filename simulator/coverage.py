@@ -36,6 +36,9 @@ Floats = NDArray[np.float64]
 _SECOND_CHANCES = 30
 """So often in a run a place is not given up because the robot was stuck on its way."""
 
+_BETWEEN_BEAMS = 0.1
+"""At last, floor that narrow between two beams counts as seen, too, m."""
+
 
 @dataclass(frozen=True)
 class _Neighbour:
@@ -80,7 +83,8 @@ class CoverageStrategy:
         self.pilot.travel(0)
 
     def _last_attempt(self) -> Lane | None:
-        """A part at what only a bolder plan reaches, for instance through a tight gap."""
+        """A part at what only a bolder plan reaches: through a tight gap, between two beams."""
+        self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
         usual = self._clearance, self._tried
         self._clearance = self.robot.radius - self.robot.last_caution
         self._tried = self._tried_at_last

@@ -138,6 +138,13 @@ class GridMap:
         """
         return gridcells.free_steps(self._cells, points, offsets, clearance, covered)
 
+    def bridge_seen(self, gap: float) -> None:
+        """Take for seen what lies between seen cells no more than ``gap`` m apart."""
+        size = round(gap / CELL) + 1
+        seen = self.seen.view(np.uint8)
+        closed = cv2.morphologyEx(seen, cv2.MORPH_CLOSE, np.ones((size, size), np.uint8))
+        np.logical_or(self.seen, closed, out=self.seen)
+
     def room(self, window: tuple[slice, slice] = np.s_[:, :]) -> Floats:
         """Distance of every cell in a part of the grid to known obstacles, m."""
         free = np.ascontiguousarray(~self.blocked(window), dtype=np.uint8)
