@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import traceback
 import zlib
 from dataclasses import dataclass
@@ -72,9 +73,8 @@ def recognise(run: Run, *, judged: bool) -> Outcome:
 
     def look() -> CoverageReport | None:
         from dataset import read_map
-        from scenes import load_apartment
 
-        topomap, place = read_map(run.output), load_apartment(run.apartment, checked=False)
+        topomap, place = read_map(run.output), _place(run, checked=False)
         _check_same(run, topomap, place)
         return _report(run, topomap, place) if judged else None
 
@@ -90,8 +90,10 @@ def _outcome(run: Run, work: Callable[[], CoverageReport | None]) -> Outcome:
         return Outcome(run.output, work())
     except SceneError as error:
         return Outcome(run.output, problem=str(error))
-    except (RoomsegError, OSError) as error:
-        named = str(error).startswith(f"{run.output}: ")
+    except OSError as error:
+        return Outcome(run.output, problem=f"{error.filename or run.output}: {error.strerror}")
+    except RoomsegError as error:
+        named = str(error).startswith((f"{run.output}: ", f"{run.output.parent}: "))
         return Outcome(run.output, problem=str(error) if named else f"{run.output}: {error}")
     except Exception as error:
         problem = f"{run.output}: unexpected {type(error).__name__}: {error}"
@@ -103,15 +105,28 @@ def lost(run: Run) -> Outcome:
     return Outcome(run.output, problem=f"{run.output}: its process died; is there enough memory?")
 
 
+def _place(run: Run, *, checked: bool) -> Apartment:
+    """The apartment of a run; its own 3D scene, if it has one, is put beside the maps."""
+    from dataset import RoomsegError
+    from scenes import load_apartment
+    from scenes.scene_file import take_scene_file
+
+    place, folder = load_apartment(run.apartment, checked=checked), run.output.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise RoomsegError(f"{folder}: not writable, expected a folder for the maps")
+    take_scene_file(place, Path(run.apartment).parent, folder)
+    return place
+
+
 def _simulate(run: Run, show: Show | None) -> CoverageReport:
     """Simulate one run, write its map, and report on it."""
     from dataset import discard_frames, write_map
     from dataset.journal import journal_path
     from roomseg.ground_truth import label_rooms
-    from scenes import load_apartment
     from simulator import simulate
 
-    place = load_apartment(run.apartment)
+    place = _place(run, checked=True)
     topomap = simulate(
         place,
         run=run.name,

@@ -98,8 +98,7 @@ def command(
     _check_date(created)
     _check_reference_set(click.get_current_context())
     robot, sensor = read_specs(robot_file) if robot_file else (RobotSpec(), SensorSpec())
-    output.mkdir(parents=True, exist_ok=True)
-    sources, problems = _by_name(apartments, output)
+    sources, problems = _by_name(apartments)
     if reference_set:
         wanted = _reference_runs(output, created)
     else:
@@ -120,10 +119,8 @@ def command(
     _tell(problems)
 
 
-def _by_name(apartments: Sequence[str], output: Path) -> tuple[dict[str, str], list[str]]:
+def _by_name(apartments: Sequence[str]) -> tuple[dict[str, str], list[str]]:
     """Sources of the apartments by name, and one line on each that cannot be read.
-
-    The 3D scenes that belong to them are put into the folder of the maps.
 
     Raises
     ------
@@ -132,14 +129,12 @@ def _by_name(apartments: Sequence[str], output: Path) -> tuple[dict[str, str], l
     """
     from dataset import RoomsegError
     from scenes import SceneError, load_apartment
-    from scenes.scene_file import take_scene_file
 
     sources: dict[str, str] = {}
     problems = []
     for source in apartments:
         try:
             place = load_apartment(source, checked=False)
-            take_scene_file(place, Path(source).parent, output)
         except SceneError as error:
             problems.append(str(error))
             continue
@@ -201,7 +196,8 @@ def _clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
     ``before``: how many runs were done before.
     """
     with progress_bar("runs") as bar:
-        show = follow(bar, runs[0].output.parent.name or "maps")
+        title = runs[0].output.parent.name or "maps"
+        show = follow(bar, title)
         show(before, before + len(runs))
 
         def tell(nodes: int, seconds: float) -> None:
@@ -215,6 +211,7 @@ def _clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
             if outcome.trace is not None:
                 click.echo(outcome.trace, err=True)
             yield outcome
+        bar.update(bar.task_ids[0], description=title)
 
 
 def _outcomes(

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import json
 import subprocess
 import sys
-from importlib.resources import files
 from pathlib import Path
 
 import cv2
@@ -18,10 +16,8 @@ from cleaned_flat import cleaned_flat, fisheye_image
 from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, read_map, write_map
 from roomseg.classifier import load_model
 from roomseg.cli.main import main
-from roomseg.cli.runs import run_seed
 from roomseg.evaluation import LabelledMap, train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
-from simulator import CoverageReport, settings_of
 
 CAMERA = FisheyeCamera().resized(116)
 
@@ -165,44 +161,6 @@ def test_generate_is_repeatable(folder):
     assert len(json.loads(Path("a.json").read_text())["rooms"]) == 2
 
 
-def test_seeds_of_runs_differ_and_do_not_depend_on_their_number():
-    seeds = [run_seed(seed, number) for seed in range(20) for number in range(1, 21)]
-    assert len(set(seeds)) == 400
-    assert run_seed(0, 1) == run_seed(0, 1)
-
-
-def test_simulate_keeps_maps_that_are_there(folder, monkeypatch, capsys):
-    calls = []
-
-    def fake(run, show=None):
-        calls.append(run.name)
-        scene = run.apartment.model_dump_json()
-        robot, sensor = settings_of(run.robot), settings_of(run.sensor)
-        made = dataclasses.replace(
-            flat("x", 0), seed=run.seed, scene=scene, robot=robot, sensor=sensor
-        )
-        write_map(run.output, made)
-        return run.output, CoverageReport(1, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, True, 0.0, 0.0)
-
-    monkeypatch.setattr("roomseg.cli.simulate._simulate", fake)
-    succeed("simulate", "demo1", "--runs", "2", "-o", "maps")
-    succeed("simulate", "demo1", "--runs", "3", "-o", "maps")
-    assert calls == ["run1", "run2", "run3"]
-    assert "demo1-run2.h5: already there" in capsys.readouterr().out
-    succeed("simulate", "demo1", "--runs", "3", "-o", "maps", "--force")
-    assert calls[3:] == ["run1", "run2", "run3"]
-
-    # What is there must be what would be made.
-    assert main(["simulate", "demo1", "--seed", "1", "-o", "maps"]) == 2
-    assert "run1.h5: already there, but of another seed" in capsys.readouterr().err
-    place = json.loads(Path(str(files("scenes") / "reference" / "demo1.json")).read_text())
-    place["lighting"] = {"source": "mixed"}
-    Path("other.json").write_text(json.dumps(place))
-    assert main(["simulate", "other.json", "-o", "maps"]) == 2
-    assert "run1.h5: already there, but of another apartment" in capsys.readouterr().err
-    assert len(calls) == 6
-
-
 def test_render_passes_its_options_and_discards_by_force(folder, monkeypatch, capsys):
     calls = []
 
@@ -233,47 +191,6 @@ def test_render_refuses_another_preset_before_it_begins(folder, monkeypatch, cap
     assert "south.h5: holds frames of preset 'draft', not 'reference'" in capsys.readouterr().err
 
 
-def two_rooms() -> dict[str, object]:
-    """Two bare rooms of 1.6 m x 1.6 m, a doorway between them."""
-    corners = [(-0.06, -0.06), (3.38, -0.06), (3.38, 1.66), (-0.06, 1.66), (-0.06, -0.06)]
-    walls = [{"start": a, "end": b} for a, b in itertools.pairwise(corners)]
-    walls.append({"start": (1.66, -0.06), "end": (1.66, 1.66)})
-    return {
-        "name": "two",
-        "rooms": [
-            {"name": "a", "polygon": [[0, 0], [1.6, 0], [1.6, 1.6], [0, 1.6]]},
-            {"name": "b", "polygon": [[1.72, 0], [3.32, 0], [3.32, 1.6], [1.72, 1.6]]},
-        ],
-        "walls": walls,
-        "passages": [{"position": [1.66, 0.8]}],
-        "start": {"position": [0.5, 0.5]},
-    }
-
-
-def test_simulated_maps_are_right_whatever_the_number_of_jobs(folder, capsys):
-    Path("two.json").write_text(json.dumps(two_rooms()))
-    succeed("simulate", "two.json", "--runs", "2", "--seed", "9", "-o", "a", "--json", "a.json")
-    succeed("simulate", "two.json", "--runs", "2", "--seed", "9", "-o", "b", "--jobs", "2")
-    names = ["two-run1.h5", "two-run2.h5"]
-    assert sorted(path.name for path in Path("b").iterdir()) == names
-    contents = [Path("a", name).read_bytes() for name in names]
-    assert contents == [Path("b", name).read_bytes() for name in names]
-    assert contents[0] != contents[1]
-    succeed("validate", *(f"a/{name}" for name in names))
-    figures = json.loads(Path("a.json").read_text())
-    for name, figure in zip(names, figures["maps"], strict=True):
-        topomap = read_map(Path("a", name))
-        assert figure["map"] == f"a/{name}"
-        assert figure["nodes"] == len(topomap.nodes)
-        assert topomap.environment == "two"
-        assert topomap.ground_truth is not None and topomap.ground_truth.room is not None
-        # The labels are the rooms in which the nodes truly lie, but for the doorway.
-        x = topomap.nodes.true_pose[:, 0]
-        left, right = (set(topomap.ground_truth.room[side]) for side in (x < 1.5, x > 1.82))
-        assert len(left) == len(right) == 1
-        assert left != right
-
-
 def test_inspect_an_apartment(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     succeed("inspect", "demo1", "--json", "demo1.json")
@@ -284,22 +201,3 @@ def test_inspect_an_apartment(tmp_path, monkeypatch, capsys):
         assert room["name"] in shown
     for kind, count in figures["pieces"].items():
         assert f"{count} {kind}" in shown
-
-
-def test_another_robot_cleans(folder, capsys):
-    Path("wide.toml").write_text("[robot]\nradius = 0.17\n[sensor]\nbeams = 4\n")
-    succeed("simulate", "demo1", "--robot", "wide.toml", "-o", "wide")
-    topomap = read_map("wide/demo1-run1.h5")
-    assert topomap.robot_radius == topomap.robot["radius"] == 0.17
-    assert (topomap.robot["lane_spacing"], topomap.sensor["beams"]) == (0.3, 4)
-    assert topomap.obstacles.beam.max() == 3
-    capsys.readouterr()
-    assert main(["simulate", "demo1", "-o", "wide"]) == 2
-    assert "already there, but of another robot;" in capsys.readouterr().err
-    Path("other.toml").write_text("[robot]\nradius = 0.17\n[sensor]\nbeams = 5\n")
-    assert main(["simulate", "demo1", "--robot", "other.toml", "-o", "wide"]) == 2
-    assert "already there, but of another robot's sensors;" in capsys.readouterr().err
-    succeed("inspect", "wide/demo1-run1.h5")
-    shown = capsys.readouterr().out
-    assert "radius 0.17 m; else as the prototype\n" in shown
-    assert "unlike the prototype: beams 4\n" in shown
