@@ -109,7 +109,7 @@ def _graph_panels(topomap: TopoMap, outlines: Any) -> dict[str, list[Panel]]:
     }
     passage = measure_passage(topomap, graph.edges)
     if passage is not None:
-        panels["width"] = [partial(draw_passage, view=passage)]
+        panels["width"] = [partial(draw_passage, view=passage, title="Passageway width")]
     return panels
 
 

@@ -78,7 +78,7 @@ def test_another_kind_of_file_is_refused(run_file, capsys):
 
 def test_where_the_robot_takes_itself_to_be_is_shown_beside_the_truth(driven):
     path = driven.path
-    off = replace(path, estimate=path.estimate + [0.8, 0.0, 0.0])
+    off = replace(path, estimate=path.estimate + np.array([0.8, 0.0, 0.0]))
     for shown, expected in ((path, 1), (off, 2)):
         frames = replay_frames(replace(driven, path=shown), speed=400.0, rate=5.0, height=300)
         frame = list(frames)[-1]
