@@ -7,9 +7,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from dataset import MapFile, TopoMap
 
-__all__ = ["SHOWN", "Panel", "map_panels", "outlines_of"]
+__all__ = ["SHOWN", "Panel", "coverage_of", "map_panels", "outlines_of"]
 
 SHOWN = ("run", "floor", "obstacles", "edges", "graph", "width", "truth", "rooms", "images")
 """Figs. 3, 17, 16, 4, 5, 7, 22 (truth and result) and 18 of the paper."""
@@ -75,6 +78,21 @@ def outlines_of(scene: str | None) -> Any:
     return obstacles(Apartment.model_validate_json(scene))
 
 
+def coverage_of(topomap: TopoMap) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Times, every 10 s, and the covered share then; None without a scene or a path."""
+    import numpy as np
+
+    from scenes import Apartment
+    from simulator.progress import coverage_progress
+
+    path = topomap.path
+    if topomap.scene is None or path is None or not len(path.time):
+        return None
+    place = Apartment.model_validate_json(topomap.scene)
+    times = np.append(np.arange(0.0, path.time[-1], 10.0), path.time[-1])
+    return times, coverage_progress(path, place, times, radius=topomap.robot_radius)
+
+
 def _graph_panels(topomap: TopoMap, outlines: Any) -> dict[str, list[Panel]]:
     """The graph with all its edges, what Algorithm 1 keeps of it, and how a width is measured."""
     from roomseg import figures
@@ -91,7 +109,7 @@ def _graph_panels(topomap: TopoMap, outlines: Any) -> dict[str, list[Panel]]:
     }
     passage = measure_passage(topomap, graph.edges)
     if passage is not None:
-        panels["width"] = [partial(draw_passage, view=passage)]
+        panels["width"] = [partial(draw_passage, view=passage, title="Passageway width")]
     return panels
 
 

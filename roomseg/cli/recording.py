@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dataset import MapFile, TopoMap
+    from dataset import MapFile
     from scenes import Apartment
 
 __all__ = ["write_recording"]
@@ -27,6 +27,7 @@ def write_recording(source: Path, output: Path) -> None:
     """
     from dataset import MapFile
     from dataset.atomic import replacing
+    from roomseg.cli.panels import coverage_of
     from roomseg.recording import recording_bytes
     from scenes import apartment_from_json
 
@@ -38,7 +39,7 @@ def write_recording(source: Path, output: Path) -> None:
         content = recording_bytes(
             topomap,
             None if place is None else _plans(place),
-            None if place is None else _coverage(topomap, place),
+            coverage_of(topomap),
             _images(file),
         )
     with replacing(output) as part:
@@ -51,21 +52,6 @@ def _plans(place: Apartment) -> dict[str, Any]:
 
     walls = obstacles(place.model_copy(update={"furniture": ()}))
     return {"walls": walls, "furniture": obstacles(place).difference(walls)}
-
-
-def _coverage(
-    topomap: TopoMap, place: Apartment
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Times, every 10 s, and the covered share."""
-    import numpy as np
-
-    from simulator.progress import coverage_progress
-
-    path = topomap.path
-    if path is None or not len(path.time):
-        return None
-    times = np.append(np.arange(0.0, path.time[-1], 10.0), path.time[-1])
-    return times, coverage_progress(path, place, times, radius=topomap.robot_radius)
 
 
 def _images(file: MapFile) -> Iterator[tuple[int, NDArray[np.uint8]]]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,7 +17,13 @@ if TYPE_CHECKING:
 
     Image = NDArray[np.uint8]
 
-CODECS = {".mp4": "mp4v", ".webm": "VP80"}
+CODECS: dict[str, tuple[str, dict[str, str]]] = {
+    ".mp4": ("libx264", {"crf": "23", "preset": "veryfast"}),
+    ".webm": ("libvpx-vp9", {"crf": "36", "b": "0", "deadline": "realtime", "cpu-used": "8"}),
+}
+"""What browsers play, at a quality at which the lines stay clean."""
+KEY_DISTANCE = 250
+"""Pictures from one that stands for itself to the next: few, as little changes between."""
 FILMS = (*CODECS, ".gif")
 RATE = 25.0
 GIF_RATE = 10.0
@@ -44,14 +51,19 @@ def command(*, map_file: Path, output: Path, speed: float, height: int) -> None:
     """Show a run with beams, estimate and truth, and the covered floor filling in."""
     from dataset import read_map
     from roomseg.cli.output import follow, progress_bar
-    from roomseg.cli.panels import outlines_of
+    from roomseg.cli.panels import coverage_of, outlines_of
     from roomseg.figures.replay import replay_frames
 
     kind = output.suffix.lower()
     topomap = read_map(map_file)
     rate = GIF_RATE if kind == ".gif" else RATE
     frames = replay_frames(
-        topomap, outlines_of(topomap.scene), speed=speed, rate=rate, height=height - height % 2
+        topomap,
+        outlines_of(topomap.scene),
+        speed=speed,
+        rate=rate,
+        height=height - height % 2,
+        covered=coverage_of(topomap),
     )
     last = 0.0 if topomap.path is None or not len(topomap.path.time) else topomap.path.time[-1]
     with progress_bar("pictures") as bar:
@@ -70,28 +82,22 @@ def _counted(
 
 
 def _write_video(output: Path, frames: Iterator[Image], rate: float) -> None:
-    """Encode with OpenCV; the old file stays until the new one is whole."""
-    import cv2
+    """Encode with FFmpeg; the old file stays until the new one is whole."""
+    import av
 
-    from dataset import RoomsegError
     from dataset.atomic import replacing
 
-    with replacing(output) as part:
-        # The container follows from the suffix.
-        film = part.with_name(part.name + output.suffix)
-        try:
-            first = next(frames)
-            code = cv2.VideoWriter.fourcc(*CODECS[output.suffix.lower()])
-            writer = cv2.VideoWriter(str(film), code, rate, (first.shape[1], first.shape[0]))
-            if not writer.isOpened():
-                raise RoomsegError(f"{output}: cannot be encoded here, try .gif")
-            writer.write(first)
-            for frame in frames:
-                writer.write(frame)
-            writer.release()
-            film.replace(part)
-        finally:
-            film.unlink(missing_ok=True)
+    kind = output.suffix.lower()
+    codec, options = CODECS[kind]
+    first = next(frames)
+    with replacing(output) as part, av.open(part, "w", format=kind.removeprefix(".")) as film:
+        stream: Any = film.add_stream(codec, rate=int(rate), options=options)
+        stream.height, stream.width = first.shape[:2]
+        stream.pix_fmt = "yuv420p"
+        stream.codec_context.gop_size = KEY_DISTANCE
+        for frame in chain([first], frames):
+            film.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format="bgr24")))
+        film.mux(stream.encode())
 
 
 def _write_gif(output: Path, frames: Iterator[Image], rate: float) -> None:

@@ -128,7 +128,9 @@ def _draw_map(source: Path, show: tuple[str, ...]) -> Any:
         panels = map_panels(file, show)
         columns = min(3, len(panels))
         rows = -(-len(panels) // columns)
-        figure = new_figure(5.0 * columns, 4.2 * rows)
+        # One alone has the page for itself.
+        scale = 1.5 if len(panels) == 1 else 1.0
+        figure = new_figure(5.0 * columns * scale, 4.2 * rows * scale)
         for index, draw in enumerate(panels):
             draw(figure.add_subplot(rows, columns, index + 1))
     add_map_legend(figure)

@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from roomseg.figures.plans import draw_circles
-from roomseg.figures.style import EDGE_RED, INK, OBSTACLE_BLUE, TRAVEL_GREY
+from roomseg.figures.style import EDGE_RED, INK, OBSTACLE_BLUE, TRAVEL_GREY, finish_plan
 
 __all__ = [
     "RocCurve",
@@ -115,10 +115,9 @@ def draw_passage_width(
     ax.plot(*ends.T, "-o", color=OBSTACLE_BLUE, lw=2.0, ms=6, gid="edge", zorder=4)
     if closest is not None:
         _draw_width(ax, np.asarray(closest, dtype=float), middle, along)
-    ax.set_aspect("equal")
-    ax.set_axis_off()
-    if title:
-        ax.set_title(title, fontsize=9.5, color=INK)
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    _name(ax, f"l = {length:.2f} m", middle - 0.25 * length * along, (9, -3), OBSTACLE_BLUE)
+    finish_plan(ax, title)
 
 
 def _draw_width(
@@ -131,12 +130,21 @@ def _draw_width(
     for point in pair:
         foot = middle + np.dot(point - middle, along) * along
         ax.plot(*np.stack([point, foot]).T, color=INK, ls=":", lw=1.0, zorder=2)
+    # Beside the edge, which is about halfway.
+    quarter = 0.78 * pair[0] + 0.22 * pair[1]
+    _name(ax, f"L = {width:.2f} m", quarter, (0, 8), EDGE_RED)
+
+
+def _name(
+    ax: Any, text: str, place: NDArray[np.float64], shift: tuple[int, int], colour: str
+) -> None:
+    """Write beside a place, ``shift`` pt from it."""
     ax.annotate(
-        f"L = {width:.2f} m",
-        pair.mean(axis=0),
-        xytext=(0, 13),
+        text,
+        place,
+        xytext=shift,
         textcoords="offset points",
-        color=EDGE_RED,
+        color=colour,
         fontsize=10,
         path_effects=[withStroke(linewidth=2.5, foreground="white")],
         zorder=6,

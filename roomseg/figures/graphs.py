@@ -88,8 +88,8 @@ def draw_borders(ax: Any, borders: NDArray[np.float64]) -> None:
     lines = LineCollection(
         list(borders),
         colors=BORDER_BLACK,
-        linewidths=1.3,
-        linestyles=(0, (3.0, 1.6)),
+        linewidths=0.9,
+        linestyles=(0, (4.0, 1.6)),
         gid="borders",
         zorder=4,
     )

@@ -252,8 +252,6 @@ def draw_obstacle_points(ax: Any, topomap: TopoMap, size: float = 0.04) -> None:
 def draw_obstacle_map(
     ax: Any, topomap: TopoMap, *, title: str | None = None, bar: float | None = None
 ) -> None:
-    """Draw obstacle points and nodes as the robot believes them, drift and all (Fig. 16)."""
+    """Draw obstacle points as the robot believes them, drift and all (Fig. 16)."""
     draw_obstacle_points(ax, topomap)
-    dots = draw_circles(ax, topomap.nodes.position, 0.07)
-    dots.set(facecolor=EDGE_RED, edgecolor="none", gid="nodes", zorder=1)
     finish_plan(ax, title, bar)

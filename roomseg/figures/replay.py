@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from dataset.errors import FormatError
 from dataset.topomap import Obstacles, Path, TopoMap
 from roomseg.figures.plans import Plan, plan_rings
+from roomseg.figures.style import scale_bar_length
 
 __all__ = ["COLOURS", "replay_frames"]
 
@@ -30,8 +31,10 @@ MARGIN = 0.3
 """Around what is drawn, m."""
 SPOT_TIME = 0.6
 """A beam is shown for so long after its measurement, s."""
-CAPTION = 26
-"""Height of the line of text over the pictures, px."""
+CAPTION, LEGEND = 26, 24
+"""Heights of the lines of text over and under the pictures, px."""
+LETTER = 0.42
+"""Size of the text, in OpenCV's unit."""
 
 # Blue, green, red.
 WHITE: Colour = (255, 255, 255)
@@ -42,8 +45,9 @@ LANE: Colour = (160, 90, 40)
 POINT: Colour = (170, 120, 60)
 BEAM: Colour = (60, 60, 220)
 ROBOT: Colour = (40, 140, 240)
-BETWEEN: Colour = (225, 225, 225)
-COLOURS = (WHITE, INK, COVERED, TRACK, LANE, POINT, BEAM, ROBOT, BETWEEN)
+BETWEEN: Colour = (205, 205, 205)
+BELIEF: Colour = (153, 68, 170)
+COLOURS = (WHITE, INK, COVERED, TRACK, LANE, POINT, BEAM, ROBOT, BETWEEN, BELIEF)
 """All of them, for formats with a palette."""
 
 
@@ -69,6 +73,7 @@ def replay_frames(
     speed: float = 60.0,
     rate: float = 25.0,
     height: int = 540,
+    covered: tuple[Floats, Floats] | None = None,
 ) -> Iterator[Image]:
     """Draw a cleaning run as a film.
 
@@ -84,6 +89,8 @@ def replay_frames(
         Pictures per second of the film.
     height : int
         Of the film, px; even. Its width follows from the plan.
+    covered : pair of arrays, shape (m,), optional
+        Times, s, and the covered share of the floor then, 0..1; told in the caption.
 
     Yields
     ------
@@ -100,31 +107,37 @@ def replay_frames(
         raise FormatError(
             f"{topomap.environment}: /path: missing, only driven maps can be replayed"
         )
-    views = _views(path, outlines, height - CAPTION)
-    truth, own = (np.full((*view.size, 3), 255, np.uint8) for view in views)
-    track = np.zeros(views[0].size, np.uint8)
-    walls = [] if outlines is None else [views[0].pixels(ring) for ring in plan_rings(outlines)]
+    view = _view(path, outlines, height - CAPTION - LEGEND)
+    truth, own = (np.full((*view.size, 3), 255, np.uint8) for _ in range(2))
+    track = np.zeros(view.size, np.uint8)
+    walls = [] if outlines is None else [view.pixels(ring) for ring in plan_rings(outlines)]
+    legend = _legend(2 * view.size[1], view.scale)
     end = path.time[-1]
     shown = 0
     for time in np.append(np.arange(0.0, end, speed / rate), end):
         row = int(np.searchsorted(path.time, time, side="right"))
         part = slice(max(shown - 1, 0), row)
-        _add_coverage(truth, track, views[0], path.true_pose[part, :2], topomap.robot_radius)
-        _add_lanes(own, views[1], path, part)
+        _add_coverage(truth, track, view, path.true_pose[part, :2], topomap.robot_radius)
+        _add_lanes(own, view, path, part)
         before = path.time[part.start] if shown else -1.0
-        _add_points(own, views[1], topomap, before, time)
+        _add_points(own, view, topomap, before, time)
         shown = row
         left, right = np.where(track[..., None] > 0, TRACK, truth).astype(np.uint8), own.copy()
         if walls:
             cv2.fillPoly(left, walls, INK, cv2.LINE_AA)
-        _draw_robot(left, views[0], path.true_pose[row - 1], topomap.robot_radius)
-        _draw_beams(right, views[1], path.estimate[row - 1], topomap.obstacles, time)
-        _draw_robot(right, views[1], path.estimate[row - 1], topomap.robot_radius)
-        yield _captioned(np.hstack([left, right]), time, int(path.lane[row - 1]))
+        now, here = path.estimate[row - 1], path.true_pose[row - 1]
+        spots = _recent_spots(topomap.obstacles, time)
+        _draw_beams(left, view, here, _carried(spots, now, here))
+        _draw_beams(right, view, now, spots)
+        _draw_robot(left, view, here, topomap.robot_radius)
+        _draw_belief(left, view, now, topomap.robot_radius)
+        _draw_robot(right, view, now, topomap.robot_radius)
+        said = _captions(path, row - 1, speed, covered)
+        yield np.vstack([_caption(said, view.size[1]), np.hstack([left, right]), legend])
 
 
-def _views(path: Path, outlines: Plan | None, height: int) -> tuple[_View, _View]:
-    """One scale for both pictures."""
+def _view(path: Path, outlines: Plan | None, height: int) -> _View:
+    """One frame and scale for both pictures."""
     shapes = [path.true_pose[:, :2], path.estimate[:, :2]]
     if outlines is not None:
         shapes += plan_rings(outlines)
@@ -132,8 +145,7 @@ def _views(path: Path, outlines: Plan | None, height: int) -> tuple[_View, _View
     low, high = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
     scale = height / (high[1] - low[1])
     # Video encoders want even sides.
-    view = _View(low, scale, (height, 2 * int(np.ceil((high[0] - low[0]) * scale / 2))))
-    return view, view
+    return _View(low, scale, (height, 2 * int(np.ceil((high[0] - low[0]) * scale / 2))))
 
 
 def _add_coverage(image: Image, mask: Image, view: _View, track: Floats, radius: float) -> None:
@@ -160,12 +172,32 @@ def _add_points(image: Image, view: _View, topomap: TopoMap, before: float, now:
         cv2.circle(image, (column, row), 1, POINT, -1, cv2.LINE_AA)
 
 
-def _draw_beams(image: Image, view: _View, pose: Floats, obstacles: Obstacles, time: float) -> None:
-    """From the robot to the spots that it has just seen."""
+def _recent_spots(obstacles: Obstacles, time: float) -> Floats:
+    """What the beams have just met, (k, 2) m, map frame."""
     recent = (obstacles.time > time - SPOT_TIME) & (obstacles.time <= time)
+    return obstacles.position[recent]
+
+
+def _carried(points: Floats, source: Floats, target: Floats) -> Floats:
+    """Points (k, 2) that are seen from one pose, as seen from another."""
+    turn = target[2] - source[2]
+    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    moved: Floats = (points - source[:2]) @ rotation + target[:2]
+    return moved
+
+
+def _draw_beams(image: Image, view: _View, pose: Floats, spots: Floats) -> None:
+    """From the robot to the spots that it has just seen."""
     here = view.pixels(pose[None, :2])[0].tolist()
-    for spot in view.pixels(obstacles.position[recent]).tolist():
+    for spot in view.pixels(spots).tolist():
         cv2.line(image, here, spot, BEAM, 1, cv2.LINE_AA)
+        cv2.circle(image, spot, 2, BEAM, -1, cv2.LINE_AA)
+
+
+def _draw_belief(image: Image, view: _View, pose: Floats, radius: float) -> None:
+    """Where the robot takes itself to be, as a ring."""
+    here = view.pixels(pose[None, :2])[0].tolist()
+    cv2.circle(image, here, max(3, round(radius * view.scale) + 2), BELIEF, 2, cv2.LINE_AA)
 
 
 def _draw_robot(image: Image, view: _View, pose: Floats, radius: float) -> None:
@@ -176,13 +208,59 @@ def _draw_robot(image: Image, view: _View, pose: Floats, radius: float) -> None:
     cv2.line(image, here, ahead, WHITE, 2, cv2.LINE_AA)
 
 
-def _captioned(image: Image, time: float, lane: int) -> Image:
+def _captions(
+    path: Path, row: int, speed: float, covered: tuple[Floats, Floats] | None
+) -> tuple[str, str]:
+    """What stands over the two pictures at a moment of the path."""
+    seconds = path.time[row]
+    # Over a second: a single step tells the wheels' noise.
+    past = min(int(np.searchsorted(path.time, seconds - 1.0)), max(row - 1, 0))
+    moved = float(np.hypot(*(path.true_pose[row] - path.true_pose[past])[:2]))
+    pace = moved / max(seconds - path.time[past], 1e-9) if row else 0.0
+    state = f"lane {path.lane[row]}" if path.lane[row] >= 0 else "between lanes"
+    hours, minutes = divmod(int(seconds) // 60, 60)
+    truth = f"truth   {hours}:{minutes:02d}:{int(seconds) % 60:02d}  x{speed:g}   {pace:.2f} m/s"
+    if covered is not None:
+        truth += f"   {100.0 * np.interp(seconds, *covered):.0f} % covered"
+    off = 100.0 * float(np.hypot(*(path.estimate[row] - path.true_pose[row])[:2]))
+    return truth, f"the robot's own map   {state}   off by {off:.0f} cm"
+
+
+def _caption(said: tuple[str, str], middle: int) -> Image:
     """A line of text over both pictures."""
-    strip = np.full((CAPTION, image.shape[1], 3), 255, np.uint8)
-    text = f"{int(time) // 60:3d}:{int(time) % 60:02d}   " + (
-        f"lane {lane}" if lane >= 0 else "between lanes"
-    )
-    middle = image.shape[1] // 2
-    for x, words in ((8, f"truth   {text}"), (middle + 8, "the robot's own map")):
-        cv2.putText(strip, words, (x, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.45, INK, 1, cv2.LINE_AA)
-    return np.vstack([strip, image])
+    strip = np.full((CAPTION, 2 * middle, 3), 255, np.uint8)
+    for x, words in zip((8, middle + 8), said, strict=True):
+        _write(strip, words, (x, 18))
+    return strip
+
+
+def _legend(width: int, scale: float) -> Image:
+    """What is drawn how, and a scale bar; what does not fit is left out."""
+    strip = np.full((LEGEND, width, 3), 255, np.uint8)
+    length = scale_bar_length(width / 2.0 / scale)
+    right = 8 + round(length * scale)
+    cv2.rectangle(strip, (8, 10), (right, 13), INK, -1)
+    x = _write(strip, f"{length:g} m", (right + 6, 16)) + 22
+    signs = {
+        "covered": (COVERED, 10),
+        "lane": (LANE, 2),
+        "between": (BETWEEN, 2),
+        "obstacle point": (POINT, 4),
+        "beam": (BEAM, 2),
+        "robot": (ROBOT, 10),
+        "where it takes itself to be": (BELIEF, 3),
+    }
+    for words, (colour, thick) in signs.items():
+        (wide, _), _ = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, LETTER, 1)
+        if x + 22 + wide > width:
+            break
+        cv2.line(strip, (x, 12), (x + 14, 12), colour, thick)
+        x = _write(strip, words, (x + 22, 16)) + 16
+    return strip
+
+
+def _write(image: Image, words: str, corner: tuple[int, int]) -> int:
+    """Write at the lower left corner, and return where the text ends, px."""
+    cv2.putText(image, words, corner, cv2.FONT_HERSHEY_SIMPLEX, LETTER, INK, 1, cv2.LINE_AA)
+    (wide, _), _ = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, LETTER, 1)
+    return corner[0] + int(wide)

@@ -126,8 +126,8 @@ def _cleaning_pictures(place: Place, result: MapResult) -> Iterator[Picture]:
         lambda ax: draw_obstacle_map(ax, topomap),
         "obstacles",
         "What the robot believes",
-        "Obstacle points (rings) and nodes (red) by the robot's own estimate, which drifts.",
-        f"Obstacle points and nodes of {result.name} in the robot's estimate",
+        "Obstacle points by the robot's own estimate, which drifts: walls are bent and doubled.",
+        f"Obstacle points of {result.name} in the robot's estimate",
     )
 
 
@@ -159,7 +159,7 @@ def _graph_pictures(place: Place, result: MapResult) -> Iterator[Picture]:
     )
 
 
-def draw_passage(ax: Any, view: PassageView) -> None:
+def draw_passage(ax: Any, view: PassageView, title: str | None = None) -> None:
     """Draw how a passageway's width was measured, the edge upright (Fig. 7)."""
     middle, (x, y) = view.ends.mean(axis=0), view.ends[1] - view.ends[0]
     upright = np.array([[y, x], [-x, y]]) / np.hypot(x, y)
@@ -167,7 +167,7 @@ def draw_passage(ax: Any, view: PassageView) -> None:
         (points - middle) @ upright for points in (view.ends, view.obstacles, view.closest)
     )
     near = obstacles[np.abs(obstacles[:, 1]) < view.strip[1] + 0.4]
-    draw_passage_width(ax, ends, obstacles=near, closest=closest, strip=view.strip)
+    draw_passage_width(ax, ends, obstacles=near, closest=closest, strip=view.strip, title=title)
 
 
 def _passage_picture(result: MapResult, view: PassageView) -> Picture:

@@ -249,7 +249,6 @@ def test_floor_is_the_free_area(ax):
 def test_obstacle_map_is_in_the_estimates_frame(ax, flat):
     draw_obstacle_map(ax, flat)
     assert_allclose(artist(ax, "obstacle-points").get_offsets(), flat.obstacles.position)
-    assert_allclose(artist(ax, "nodes").get_offsets(), flat.nodes.position)
 
 
 @pytest.mark.parametrize(("draw", "length"), [(draw_obstacle_map, 5.0), (draw_cleaning_run, 5.0)])
@@ -399,7 +398,7 @@ def test_one_legend_names_what_the_panels_show(flat, real_flat):
     draw_obstacle_map(figure.add_subplot(1, 2, 1), real_flat)
     draw_graph(figure.add_subplot(1, 2, 2), real_flat)
     add_map_legend(figure)
-    assert legend_of(figure)[:3] == ["obstacle point", "map node", "edge"]
+    assert legend_of(figure)[:3] == ["obstacle point", "edge", "room border"]
     truth = np.asarray(flat.ground_truth.room)
     for room, wrong in ((truth, False), (np.where(np.arange(len(truth)) == 5, 99, truth), True)):
         figure = new_figure()

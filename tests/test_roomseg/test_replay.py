@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from dataclasses import replace
 
 import cv2
@@ -11,7 +12,7 @@ from PIL import Image
 
 from dataset import FormatError, read_map, write_map
 from roomseg.cli.main import main
-from roomseg.figures.replay import COVERED, ROBOT, replay_frames
+from roomseg.figures.replay import BELIEF, COVERED, ROBOT, replay_frames
 from scenes.apartment import Apartment, Block, Room, Start
 from simulator import simulate
 
@@ -73,3 +74,32 @@ def test_gif_moves(run_file):
 def test_another_kind_of_file_is_refused(run_file, capsys):
     assert main(["replay", str(run_file), "-o", str(run_file.with_suffix(".avi"))]) == 2
     assert "expected a name that ends in .mp4 or .webm or .gif" in capsys.readouterr().err
+
+
+def test_where_the_robot_takes_itself_to_be_is_shown_beside_the_truth(driven):
+    path = driven.path
+    off = replace(path, estimate=path.estimate + np.array([0.8, 0.0, 0.0]))
+    for shown, expected in ((path, 1), (off, 2)):
+        frames = replay_frames(replace(driven, path=shown), speed=400.0, rate=5.0, height=300)
+        frame = list(frames)[-1]
+        ring = (np.abs(frame[:-40, : frame.shape[1] // 2].astype(int) - BELIEF) < 40).all(axis=-1)
+        robot = (frame[:-40, : frame.shape[1] // 2] == np.array(ROBOT)).all(axis=-1)
+        apart = abs(np.argwhere(ring)[:, 1].mean() - np.argwhere(robot)[:, 1].mean())
+        assert (apart > 30.0) == (expected == 2)
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
+def test_a_full_disk_is_one_line_and_leaves_the_old_film(run_file, suffix, capsys):
+    film = run_file.with_suffix(suffix)
+    film.write_bytes(b"old")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    # The kernel refuses to let files grow, as on a full disk.
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, before[1]))
+    try:
+        code = main(["replay", str(run_file), "-o", str(film), "--speed", "300"])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    told = capsys.readouterr().err
+    assert code == 2 and told.count("\n") == 1 and "cannot be written" in told
+    assert film.read_bytes() == b"old"
+    assert sorted(p.name for p in run_file.parent.iterdir()) == sorted(["run.h5", film.name])
