@@ -125,7 +125,7 @@ def _as_map(
             part=np.array(graph.part, dtype=np.int32),
             lane=np.array(graph.lane, dtype=np.int32),
             true_pose=truth,
-            tilt=graph.tilt.copy(),
+            tilt=vehicle.tilt(),
         ),
         edges=edges,
         visits=Visits(

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
 
+from scenes import trigonometry
+
 __all__ = ["compiled"]
 
 Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def _sources() -> str:
+    """Digest of the source files of this package, and of what else it compiles."""
+    files = [*sorted(Path(__file__).parent.glob("*.py")), Path(trigonometry.__file__)]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+
+
+_STAMP = _sources()
 
 
 def compiled(function: Function) -> Function:
@@ -17,4 +30,7 @@ def compiled(function: Function) -> Function:
 
     Without ``fastmath``: sums keep their order, so that every machine gives the same bytes.
     """
-    return cast(Function, numba.njit(cache=True)(function))
+    dispatcher = numba.njit(cache=True)(function)
+    # What is kept holds the functions that it calls, too; numba looks at one file only.
+    dispatcher._cache._cache_file._source_stamp = _STAMP
+    return cast(Function, dispatcher)

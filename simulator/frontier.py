@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 
 _STEP = 0.05
 """Spacing of the places that are looked at along a free run, m."""
+_BESIDE = 0.05
+"""So much more than the lane spacing from a node, m, a cell is still beside it."""
 _RUN_LIMIT = 4.0
 """No run is looked at further than this, m."""
 
@@ -68,22 +70,25 @@ def find_frontiers(
     mask = grid.open_cells(clearance)
     grid.erase(mask, Covered(np.ascontiguousarray(nodes), spec.cover_radius))
     grid.erase(mask, Covered(tried, 0.1))
-    cells = np.argwhere(mask)
-    if len(cells) == 0:
+    found = cv2.findNonZero(mask)
+    if found is None:
         return []
+    cells = found[:, 0, ::-1].astype(np.int64)
     low, high = cells.min(axis=0), cells.max(axis=0) + 1
     part = np.ascontiguousarray(mask[low[0] : high[0], low[1] : high[1]])
     count, labels = cv2.connectedComponents(part, connectivity=4)
     points = grid.centres(cells)
     label = labels[tuple((cells - low).T)]
-    deep, node = cKDTree(nodes).query(points)
+    far = max(spec.cover_radius + spec.frontier_depth, spec.lane_spacing + _BESIDE) + CELL
+    tree = cKDTree(nodes, balanced_tree=False, compact_nodes=False)
+    deep, node = tree.query(points, distance_upper_bound=far)
     area = np.bincount(label, minlength=count) * CELL**2
     depth = np.zeros(count)
     np.maximum.at(depth, label, deep)
     worth = (area >= spec.frontier_area) & (depth >= spec.cover_radius + spec.frontier_depth)
     frontiers = []
     for k in np.flatnonzero(worth):
-        mine = np.flatnonzero((label == k) & (deep <= spec.lane_spacing + 0.05))
+        mine = np.flatnonzero((label == k) & (deep <= spec.lane_spacing + _BESIDE))
         if len(mine):
             frontiers.append(Frontier(points[mine], node[mine], deep[mine]))
     return frontiers

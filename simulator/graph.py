@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from simulator.compiled import compiled
 
-__all__ = ["MapGraph"]
+__all__ = ["MapGraph", "Table", "distance_at", "nearest_first", "sort_by"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -28,7 +28,7 @@ class MapGraph:
 
     def __init__(self) -> None:
         self._estimate = np.zeros((256, 3))
-        self._true_pose = np.zeros((256, 5))
+        self._true_pose = np.zeros((256, 3))
         self.part: list[int] = []
         self.lane: list[int] = []
         self._buckets = _Buckets(np.full(_BUCKETS, -1), np.zeros(256, np.int64))
@@ -36,7 +36,7 @@ class MapGraph:
         self._edge_count = 0
         self._barred: list[int] = []
         self.visits: list[tuple[float, int]] = []
-        self._near: set[int] = set()
+        self._near: Nodes = np.zeros(0, np.int64)
 
     def __len__(self) -> int:
         return len(self.part)
@@ -59,19 +59,14 @@ class MapGraph:
     @property
     def true_pose(self) -> Floats:
         """True poses of all nodes, shape (n, 3); for the physics and the record only."""
-        return self._true_pose[: len(self), :3]
-
-    @property
-    def tilt(self) -> Floats:
-        """True roll and pitch at all nodes, shape (n, 2), rad; for the record only."""
-        return self._true_pose[: len(self), 3:]
+        return self._true_pose[: len(self)]
 
     def add_node(
         self, estimate: Floats, true_pose: Floats, part: int, lane: int, time: float
     ) -> int:
         """Append a node, visited now; returns its index.
 
-        ``estimate`` (3,) m, m, rad; ``true_pose`` (5,), with roll and pitch.
+        ``estimate`` and ``true_pose`` (3,) m, m, rad.
         """
         node = len(self)
         if node == len(self._estimate):
@@ -86,7 +81,7 @@ class MapGraph:
         self.part.append(part)
         self.lane.append(lane)
         self.visits.append((time, node))
-        self._near.add(node)
+        self._near = np.append(self._near, node)
         return node
 
     def add_edge(self, a: int, b: int) -> None:
@@ -122,36 +117,42 @@ class MapGraph:
         self._edges[: len(kept)] = kept
         self._barred = [edge for edge in self._barred if edge < len(kept)]
         self.visits = [visit for visit in self.visits if visit[1] < first]
-        self._near = {node for node in self._near if node < first}
+        self._near = self._near[self._near < first]
 
-    def visit(self, estimate: Floats, time: float, radius: float) -> None:
-        """Record a visit of every node whose neighbourhood the robot now enters."""
-        found = _within(self._estimate, self._buckets, estimate[0], estimate[1], radius)
-        near = set(found.tolist())
-        if not near <= self._near:
-            self.visits.extend((time, node) for node in sorted(near - self._near))
-        self._near = near
+    def visit(self, places: Floats, times: Floats, radius: float) -> None:
+        """Record a visit of every node whose neighbourhood the robot enters.
+
+        Parameters
+        ----------
+        places : array, shape (t, 2 or more)
+            Where the robot was in the last time steps, m.
+        times : array, shape (t,)
+            s.
+        """
+        steps, nodes, self._near = _entered(self.table(), places, radius, self._near)
+        self.visits.extend(zip(times[steps].tolist(), nodes.tolist(), strict=True))
 
     def distances(self, points: Floats, running_lane: int = -1) -> Floats:
         """Distance of points (m, 2) to the nearest node, m; ``inf`` where none is within 1 m.
 
         The nodes of ``running_lane`` are left out.
         """
-        count = len(self)
+        return _distances(self.table(running_lane), np.ascontiguousarray(points))
+
+    def table(self, running_lane: int = -1) -> Table:
+        """The nodes as the compiled loops take them, those of ``running_lane`` marked as new."""
+        older = len(self)
         if running_lane >= 0 and self.lane and self.lane[-1] == running_lane:
             # Lanes are numbered in order, and only the running, last one is left out.
-            count = bisect.bisect_left(self.lane, running_lane)
-        return _distances(self._estimate, self._buckets, count, np.ascontiguousarray(points))
+            older = bisect.bisect_left(self.lane, running_lane)
+        return Table(self._estimate, self._true_pose, self._buckets, len(self), older)
 
     def within(self, point: Floats, radius: float) -> NDArray[np.int64]:
         """Nodes at most ``radius`` m from ``point``, nearest first."""
         if np.isfinite(radius):
-            near = _within(self._estimate, self._buckets, point[0], point[1], radius)
-        else:
-            near = np.arange(len(self))
-        gap = self._estimate[near, :2] - point[:2]
-        order = np.argsort((gap * gap).sum(axis=1), kind="stable")
-        return np.asarray(near[order])
+            return nearest_first(self.table(), point[0], point[1], radius)
+        gap = self.position - point[:2]
+        return np.argsort((gap * gap).sum(axis=1), kind="stable")
 
     def weights(self) -> csr_array:
         """Sparse matrix of edge lengths with tolls (`bar`), m, shape (n, n)."""
@@ -194,6 +195,20 @@ class _Buckets(NamedTuple):
     following: NDArray[np.int64]
 
 
+class Table(NamedTuple):
+    """Nodes; the first ``total`` rows are in use.
+
+    ``estimate``, ``true_pose`` (n, 3), see `MapGraph`; the first ``older`` nodes belong
+    to other lanes than the running one.
+    """
+
+    estimate: Floats
+    true_pose: Floats
+    buckets: _Buckets
+    total: int
+    older: int
+
+
 @compiled
 def _bucket(i: int, j: int) -> int:
     return (i * 73856093 ^ j * 19349663) % _BUCKETS
@@ -215,9 +230,10 @@ def _remove(nodes: Floats, buckets: _Buckets, node: int) -> None:
 
 
 @compiled
-def _within(nodes: Floats, buckets: _Buckets, x: float, y: float, radius: float) -> Nodes:
-    """Indices of the nodes that are at most ``radius`` m from a point, in order."""
-    near = np.empty(len(nodes), np.int64)
+def _within(table: Table, x: float, y: float, radius: float) -> Nodes:
+    """Indices of the nodes that are at most ``radius`` m from a point, in any order."""
+    nodes, buckets = table.estimate, table.buckets
+    near = np.empty(table.total, np.int64)
     found = 0
     for i in range(math.floor((x - radius) / _SIDE), math.floor((x + radius) / _SIDE) + 1):
         for j in range(math.floor((y - radius) / _SIDE), math.floor((y + radius) / _SIDE) + 1):
@@ -229,21 +245,72 @@ def _within(nodes: Floats, buckets: _Buckets, x: float, y: float, radius: float)
                     near[found] = node
                     found += 1
                 node = buckets.following[node]
-    return np.sort(near[:found])
+    return near[:found]
 
 
 @compiled
-def _distances(nodes: Floats, buckets: _Buckets, count: int, points: Floats) -> Floats:
-    """Distance from points (m, 2) to the nearest of the first ``count`` nodes, m."""
+def nearest_first(table: Table, x: float, y: float, radius: float) -> Nodes:
+    """Indices of the nodes that are at most ``radius`` m from a point, nearest first."""
+    near = _within(table, x, y, radius)
+    squared = np.empty(len(near))
+    for k in range(len(near)):
+        u, v = table.estimate[near[k], 0] - x, table.estimate[near[k], 1] - y
+        squared[k] = u * u + v * v
+    sort_by(squared, near)
+    return near
+
+
+@compiled
+def sort_by(keys: Floats, indices: Nodes) -> None:
+    """Sort a few indices by their keys, equal keys by the index; both in place."""
+    for k in range(1, len(keys)):
+        key, index = keys[k], indices[k]
+        place = k
+        while place > 0 and (keys[place - 1], indices[place - 1]) > (key, index):
+            keys[place], indices[place] = keys[place - 1], indices[place - 1]
+            place -= 1
+        keys[place], indices[place] = key, index
+
+
+@compiled
+def _entered(
+    table: Table, places: Floats, radius: float, near: Nodes
+) -> tuple[Nodes, Nodes, Nodes]:
+    """Steps at which, and nodes that, the robot came within ``radius`` m of.
+
+    ``near``: the nodes that it was near before; the third result: those at the end.
+    """
+    steps, nodes = [0 for _ in range(0)], [0 for _ in range(0)]
+    for k in range(len(places)):
+        now = _within(table, places[k, 0], places[k, 1], radius)
+        for node in now:
+            if not (near == node).any():
+                steps.append(k)
+                nodes.append(node)
+        near = now
+    return np.array(steps, np.int64), np.array(nodes, np.int64), near
+
+
+@compiled
+def _distances(table: Table, points: Floats) -> Floats:
+    """Distance from points (m, 2) to the nearest node that is not new, m."""
     distance = np.full(len(points), np.inf)
     for k in range(len(points)):
-        x, y = points[k, 0], points[k, 1]
-        for i in range(math.floor((x - _FAR) / _SIDE), math.floor((x + _FAR) / _SIDE) + 1):
-            for j in range(math.floor((y - _FAR) / _SIDE), math.floor((y + _FAR) / _SIDE) + 1):
-                node = buckets.first[_bucket(i, j)]
-                while node >= 0:
-                    u, v = nodes[node, 0] - x, nodes[node, 1] - y
-                    if node < count and u * u + v * v <= _FAR * _FAR:
-                        distance[k] = min(distance[k], math.sqrt(u * u + v * v))
-                    node = buckets.following[node]
+        distance[k] = distance_at(table, points[k, 0], points[k, 1])
     return distance
+
+
+@compiled
+def distance_at(table: Table, x: float, y: float) -> float:
+    """Distance from a point to the nearest node that is not new, m; ``inf`` beyond 1 m."""
+    nodes, buckets = table.estimate, table.buckets
+    best = np.inf
+    for i in range(math.floor((x - _FAR) / _SIDE), math.floor((x + _FAR) / _SIDE) + 1):
+        for j in range(math.floor((y - _FAR) / _SIDE), math.floor((y + _FAR) / _SIDE) + 1):
+            node = buckets.first[_bucket(i, j)]
+            while node >= 0:
+                u, v = nodes[node, 0] - x, nodes[node, 1] - y
+                if node < table.older and u * u + v * v <= _FAR * _FAR:
+                    best = min(best, math.sqrt(u * u + v * v))
+                node = buckets.following[node]
+    return best

@@ -24,10 +24,13 @@ __all__ = [
     "SUPPORT",
     "Cells",
     "Covered",
+    "are_clear",
     "blocked_points",
     "erase",
+    "feel",
     "free_steps",
     "hit",
+    "holds",
     "is_blocked_ahead",
     "is_clear",
     "open_cells",
@@ -37,6 +40,7 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 CELL = 0.025
 """m."""
@@ -47,6 +51,10 @@ CONTACT = 100
 """Evidence of a contact. Beams do not lessen it: what was felt may be below or above them."""
 LOW, HIGH, BLOCKED = -2, 8, 2
 """Limits of the evidence, and from where on a cell may count as an obstacle."""
+SHY = 0.06
+"""A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
+RIM = 0.03
+"""The rim of the body's disc says nothing: what it touches is an obstacle, m."""
 SUPPORT = 3
 """A second point must support the first, at most so many cells away either way."""
 
@@ -94,12 +102,25 @@ def window(cells: Cells, low: Floats, high: Floats, margin: float) -> tuple[int,
 
 
 @compiled
-def pass_beams(cells: Cells, pose: Floats, angles: Floats, reach: Floats) -> None:
-    """Enter the beams' free parts: every cell on them is seen and less likely an obstacle."""
+def holds(cells: Cells, point: Floats, margin: float) -> bool:
+    """Whether everything within ``margin`` m of a point is on the grid."""
+    i0, j0 = cell_at(cells, point[0] - margin, point[1] - margin)
+    i1, j1 = cell_at(cells, point[0] + margin, point[1] + margin)
+    rows, columns = cells.seen.shape
+    return i0 >= 0 and j0 >= 0 and i1 < rows and j1 < columns
+
+
+@compiled
+def pass_beams(cells: Cells, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
+    """Enter the beams' free parts: every cell on them is seen and less likely an obstacle.
+
+    Beams without a spot (``nan``) are free for ``free`` m.
+    """
     for k in range(len(angles)):
+        reach = free if math.isnan(ranges[k]) else ranges[k] - SHY
         along_y, along_x = sine_cosine(angles[k])
         last = (-1, -1)
-        for n in range(math.ceil(reach[k] / CELL - 0.5)):
+        for n in range(math.ceil(reach / CELL - 0.5)):
             length = (n + 0.5) * CELL
             i, j = cell_at(cells, pose[0] + length * along_x, pose[1] + length * along_y)
             if (i, j) != last:
@@ -122,8 +143,17 @@ def hit(cells: Cells, pose: Floats, angles: Floats, ranges: Floats) -> None:
 
 
 @compiled
+def feel(cells: Cells, pose: Floats, bearing: float, radius: float) -> None:
+    """Enter a contact at ``bearing`` from the heading."""
+    along_y, along_x = sine_cosine(pose[2] + bearing)
+    i, j = cell_at(cells, pose[0] + radius * along_x, pose[1] + radius * along_y)
+    cells.evidence[i, j] = CONTACT
+
+
+@compiled
 def stand(cells: Cells, pose: Floats, radius: float) -> None:
-    """Enter a disc of free floor."""
+    """Enter the body's disc: seen and, but for its rim, free."""
+    radius -= RIM
     i0, i1, j0, j1 = window(cells, pose, pose, radius)
     for i in range(i0, i1):
         for j in range(j0, j1):
@@ -181,8 +211,20 @@ def is_clear(cells: Cells, start: Floats, end: Floats, clearance: float) -> bool
 
 
 @compiled
+def are_clear(cells: Cells, start: Floats, ends: Floats, clearance: float) -> Bools:
+    """`is_clear` for the segments from one point to many, (k, 2)."""
+    clear = np.empty(len(ends), np.bool_)
+    for k in range(len(ends)):
+        clear[k] = is_clear(cells, start, ends[k], clearance)
+    return clear
+
+
+@compiled
 def is_blocked_ahead(cells: Cells, pose: Floats, distance: float, frontal: float) -> bool:
-    """Whether a blocked cell lies ahead; see `simulator.gridmap.GridMap.is_blocked_ahead`."""
+    """Whether a blocked cell lies within ``distance`` m ahead of the centre.
+
+    Ahead is where the cosine of the bearing is above ``frontal``.
+    """
     ahead_y, ahead_x = sine_cosine(pose[2])
     i0, i1, j0, j1 = window(cells, pose, pose, distance)
     for i in range(i0, i1):

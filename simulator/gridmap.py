@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from simulator import gridcells
 from simulator.gridcells import CELL, Cells, Covered
-from simulator.trigonometry import sine_cosine
 
 __all__ = ["CELL", "GridMap"]
 
@@ -25,12 +24,6 @@ Bools = NDArray[np.bool_]
 
 _BLOCK = 128
 """The grid grows by this many cells."""
-_RIM = 0.03
-"""The rim of the body's disc says nothing: what it touches is an obstacle, m."""
-_MARGIN = 0.3
-"""The grid reaches so much further than beams and body, m."""
-_SHY = 0.06
-"""A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
 
 
 class GridMap:
@@ -48,6 +41,25 @@ class GridMap:
         self.evidence = np.zeros(shape, np.int8)
         self.seen = np.zeros(shape, np.bool_)
 
+    @property
+    def table(self) -> Cells:
+        """The grid as the compiled loops take it."""
+        return Cells(self.evidence, self.seen, self.corner)
+
+    def hold(self, point: Floats, margin: float) -> None:
+        """Grow until everything within ``margin`` m of ``point`` is on the grid."""
+        low = [(p - margin - c) / CELL for p, c in zip(point[:2], self.corner, strict=True)]
+        high = [(p + margin - c) / CELL for p, c in zip(point[:2], self.corner, strict=True)]
+        rows, columns = self.seen.shape
+        if min(low) <= 0.0 or high[0] >= rows or high[1] >= columns:
+            short, over = -np.array(low), np.array(high) - self.seen.shape
+            before = _BLOCK * np.maximum(np.floor(short / _BLOCK) + 1, 0).astype(np.int64)
+            after = _BLOCK * np.maximum(np.floor(over / _BLOCK) + 1, 0).astype(np.int64)
+            pads = tuple(zip(before.tolist(), after.tolist(), strict=True))
+            self.evidence = np.pad(self.evidence, pads)
+            self.seen = np.pad(self.seen, pads)
+            self.corner = self.corner - before * CELL
+
     def cells(self, points: Floats) -> NDArray[np.int64]:
         """Cell indices (x, y) of points (n, 2) m, shape (n, 2)."""
         return np.asarray(np.floor((points - self.corner) / CELL), dtype=np.int64)
@@ -56,19 +68,6 @@ class GridMap:
         """Cell centres, m, shape (n, 2)."""
         return np.asarray(self.corner + (cells + 0.5) * CELL)
 
-    def add_scan(self, pose: Floats, angles: Floats, ranges: Floats, free: float) -> None:
-        """Enter beams: hits at ``ranges`` m (``nan``: none, free up to ``free`` m)."""
-        self._hold(pose, max(1.0, free, float(np.nanmax(ranges, initial=0.0))) + _MARGIN)
-        reach = np.where(np.isfinite(ranges), ranges - _SHY, free)
-        gridcells.pass_beams(self._cells, pose, angles, reach)
-        gridcells.hit(self._cells, pose, angles, ranges)
-
-    def add_contact(self, pose: Floats, bearing: float, radius: float) -> None:
-        """Enter a bumper contact at ``bearing`` rad from the heading."""
-        sine, cosine = sine_cosine(pose[2] + bearing)
-        point = pose[:2] + radius * np.array([cosine, sine])
-        self.evidence[tuple(self.cells(point[None])[0])] = gridcells.CONTACT
-
     def forget_contacts(self, point: Floats, radius: float) -> None:
         """Take back the contacts within a square of ``radius`` m around a point."""
         low, high = self.cells(np.stack([point - radius, point + radius]))
@@ -76,14 +75,9 @@ class GridMap:
         felt = self.evidence[window] > gridcells.HIGH
         self.evidence[window][felt] = 0
 
-    def add_body(self, pose: Floats, radius: float) -> None:
-        """The body stands here: its disc is seen and, but for its rim, free."""
-        self._hold(pose, 1.0 + _MARGIN)
-        gridcells.stand(self._cells, pose, radius - _RIM)
-
     def blocked_points(self, low: Floats, high: Floats, margin: float) -> Floats:
         """Centres of blocked cells in a box widened by ``margin``, m, shape (k, 2)."""
-        return gridcells.blocked_points(self._cells, low, high, margin)
+        return gridcells.blocked_points(self.table, low, high, margin)
 
     def blocked(self, window: tuple[slice, slice] = np.s_[:, :]) -> Bools:
         """Which cells in a part of the grid count as obstacles.
@@ -119,14 +113,11 @@ class GridMap:
 
     def is_clear(self, start: Floats, end: Floats, clearance: float) -> bool:
         """Whether no known obstacle is nearer than ``clearance`` m to a segment."""
-        return gridcells.is_clear(self._cells, start, end, clearance)
+        return gridcells.is_clear(self.table, start, end, clearance)
 
-    def is_blocked_ahead(self, pose: Floats, distance: float, frontal: float) -> bool:
-        """Whether a known obstacle lies within ``distance`` m ahead of the centre.
-
-        Ahead is where the cosine of the bearing is above ``frontal``.
-        """
-        return gridcells.is_blocked_ahead(self._cells, pose, distance, frontal)
+    def are_clear(self, start: Floats, ends: Floats, clearance: float) -> Bools:
+        """`is_clear` for the segments from ``start`` to each of ``ends`` (k, 2), m; shape (k,)."""
+        return gridcells.are_clear(self.table, start, ends, clearance)
 
     def free_steps(
         self, points: Floats, offsets: Floats, clearance: float, covered: Covered
@@ -136,7 +127,7 @@ class GridMap:
         A place is free if it is seen, no known obstacle is nearer than
         ``clearance`` m, and it is not covered. ``points`` (m, 2) m; shape (m,).
         """
-        return gridcells.free_steps(self._cells, points, offsets, clearance, covered)
+        return gridcells.free_steps(self.table, points, offsets, clearance, covered)
 
     def bridge_seen(self, gap: float) -> None:
         """Take for seen what lies between seen cells no more than ``gap`` m apart."""
@@ -153,26 +144,8 @@ class GridMap:
 
     def open_cells(self, clearance: float) -> NDArray[np.uint8]:
         """All cells that the centre may stand in: 1, else 0; shape of the grid."""
-        return gridcells.open_cells(self._cells, clearance)
+        return gridcells.open_cells(self.table, clearance)
 
     def erase(self, mask: NDArray[np.uint8], covered: Covered) -> None:
         """Set a mask of the grid's shape to 0 where it is covered."""
-        gridcells.erase(mask, self._cells, covered)
-
-    @property
-    def _cells(self) -> Cells:
-        return Cells(self.evidence, self.seen, self.corner)
-
-    def _hold(self, point: Floats, margin: float) -> None:
-        """Grow until everything within ``margin`` m of ``point`` is on the grid."""
-        low = [(p - margin - c) / CELL for p, c in zip(point[:2], self.corner, strict=True)]
-        high = [(p + margin - c) / CELL for p, c in zip(point[:2], self.corner, strict=True)]
-        rows, columns = self.seen.shape
-        if min(low) <= 0.0 or high[0] >= rows or high[1] >= columns:
-            short, over = -np.array(low), np.array(high) - self.seen.shape
-            before = _BLOCK * np.maximum(np.floor(short / _BLOCK) + 1, 0).astype(np.int64)
-            after = _BLOCK * np.maximum(np.floor(over / _BLOCK) + 1, 0).astype(np.int64)
-            pads = tuple(zip(before.tolist(), after.tolist(), strict=True))
-            self.evidence = np.pad(self.evidence, pads)
-            self.seen = np.pad(self.seen, pads)
-            self.corner = self.corner - before * CELL
+        gridcells.erase(mask, self.table, covered)

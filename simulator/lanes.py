@@ -59,7 +59,8 @@ class LaneDriver:
         along = direction(heading)
         start = point + float(((self.pilot.position - point) * along).sum()) * along
         self.pilot.turn_to(heading)
-        self.pilot.follow(heading, _FAR, start=start, stop=self._is_covered_ahead, dodge=_DODGE)
+        covered = self._vehicle.is_covered_ahead
+        self.pilot.follow(heading, _FAR, start=start, stop=covered, dodge=_DODGE)
         self.pilot.turn_to(heading + np.pi)
         return self.lane_from_here(wrap(heading + np.pi), part, line=point)
 
@@ -101,7 +102,7 @@ class LaneDriver:
             if progress >= made * self.robot.node_spacing - 0.005:
                 self._make_node(part)
                 return opening is not None and self._has_opened(heading, opening)
-            return self._is_covered_ahead()
+            return self._vehicle.is_covered_ahead()
 
         base = start if line is None else line + float(((start - line) * along).sum()) * along
         end = self.pilot.follow(heading, _FAR, start=base, stop=stop, dodge=_DODGE)
@@ -147,22 +148,13 @@ class LaneDriver:
         graph, lane = self._vehicle.graph, self._vehicle.lane
         node = self._vehicle.add_node(part, lane)
         here = graph.position[node]
-        for other in graph.within(here, self.robot.edge_radius):
-            if other == node or (graph.lane[other] == lane and other != node - 1):
-                continue
-            in_lane = graph.lane[other] == lane
-            there = graph.position[other]
-            if in_lane or self.pilot.can_drive(here, there, self.robot.edge_clearance):
-                graph.add_edge(int(other), node)
-
-    def _is_covered_ahead(self) -> bool:
-        """Whether older nodes already cover what lies one node spacing ahead."""
-        pose = self._vehicle.estimate
-        ahead = pose[:2] + self.robot.node_spacing * direction(pose[2])
-        graph = self._vehicle.graph
-        skip = self._vehicle.lane
-        now, then = graph.distances(np.stack([pose[:2], ahead]), running_lane=skip)
-        return bool(then < self.robot.overlap_radius and then < now)
+        near = graph.within(here, self.robot.edge_radius).tolist()
+        others = [k for k in near if k != node and (graph.lane[k] != lane or k == node - 1)]
+        there = graph.position[others]
+        clear = self._vehicle.grid.are_clear(here, there, self.robot.edge_clearance)
+        for other, is_free in zip(others, clear, strict=True):
+            if is_free or graph.lane[other] == lane:
+                graph.add_edge(other, node)
 
     def _has_opened(self, heading: float, clearance: float) -> bool:
         """Whether a piercing lane has come out of the narrow passage."""

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from simulator.compiled import compiled
 from simulator.trigonometry import sine_cosine
 
-__all__ = ["SensorSpec", "Spots", "cast_beams", "measure"]
+__all__ = ["Look", "SensorSpec", "Spots", "cast_beams", "measure"]
 
 Floats = NDArray[np.float64]
 
@@ -102,6 +102,10 @@ class SensorSpec:
             return np.radians(np.array(self.bearings_deg, dtype=np.float64))
         return np.arange(self.beams) * (2.0 * np.pi / self.beams)
 
+    def look(self) -> Look:
+        """The settings that make a measurement."""
+        return Look(*(float(getattr(self, name)) for name in Look._fields))
+
 
 _NOT_NEGATIVE = (
     "height",
@@ -167,7 +171,20 @@ def cast_beams(
     return ranges, cosine, seen
 
 
-def measure(spots: Spots, spec: SensorSpec, rng: np.random.Generator) -> Floats:
+class Look(NamedTuple):
+    """The settings of `SensorSpec` that make a measurement."""
+
+    maximum_range: float
+    range_noise: float
+    range_noise_quadratic: float
+    range_noise_slant: float
+    dropout: float
+    least_reflectance: float
+    false_rate: float
+
+
+@compiled
+def measure(spots: Spots, look: Look, rng: np.random.Generator) -> Floats:
     """What the camera makes of the beams: noise, drop-outs, false ranges.
 
     Parameters
@@ -182,26 +199,8 @@ def measure(spots: Spots, spec: SensorSpec, rng: np.random.Generator) -> Floats:
     """
     n = len(spots.range)
     noise, chance = rng.standard_normal(n), rng.random((3, n))
-    return _measured(spots, _Look(*(getattr(spec, name) for name in _Look._fields)), noise, chance)
-
-
-class _Look(NamedTuple):
-    """The settings of `SensorSpec` that make a measurement."""
-
-    maximum_range: float
-    range_noise: float
-    range_noise_quadratic: float
-    range_noise_slant: float
-    dropout: float
-    least_reflectance: float
-    false_rate: float
-
-
-@compiled
-def _measured(spots: Spots, look: _Look, noise: Floats, chance: Floats) -> Floats:
-    """One measurement of each beam from standard normal and uniform (3, n) draws."""
-    measured = np.full(len(noise), np.nan)
-    for k in range(len(noise)):
+    measured = np.full(n, np.nan)
+    for k in range(n):
         true, cosine = spots.range[k], max(spots.cosine[k], 0.05)
         if true <= look.maximum_range:
             spread = look.range_noise + look.range_noise_quadratic * true * true

@@ -10,9 +10,10 @@ from enum import Enum, auto
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.errors import RoomsegError
+from simulator import steering
 from simulator.detour import plan_detour
 from simulator.robot import wrap
+from simulator.steering import Line
 from simulator.trigonometry import arctangent, sine_cosine
 from simulator.vehicle import Vehicle
 
@@ -23,10 +24,6 @@ Floats = NDArray[np.float64]
 _ATTEMPTS = 4
 """Plans that are tried for one journey."""
 
-_AHEAD = 0.01
-"""A drive stops when the body is this near to a known obstacle, m, ..."""
-_FRONTAL = 0.7
-"""... that lies within 45° of the direction of travel (cosine)."""
 _GLANCING = 0.2
 """A contact more than 11° off the direction of travel can be dodged, rad, ..."""
 _SIDESTEP = 0.012
@@ -121,12 +118,7 @@ class Pilot:
 
     def turn_to(self, heading: float) -> None:
         """Turn on the spot, the shorter way."""
-        step = self.robot.turn_rate * self.robot.time_step
-        for _ in range(200):
-            error = wrap(heading - self.vehicle.estimate[2])
-            if abs(error) < 0.01:
-                return
-            self._step(0.0, min(max(error, -step), step) / self.robot.time_step)
+        self.vehicle.turn_to(heading)
 
     def spin(self) -> None:
         """Look around once."""
@@ -155,23 +147,22 @@ class Pilot:
         start : array, shape (2,), optional
             A point of the line; default: where the robot is.
         stop : callable, optional
-            Asked after every step.
+            Whether to stop; asked where the lane's next node is due or older nodes cover
+            what lies ahead, and after every contact.
         careful : bool
             Stop before known obstacles rather than at the bumper.
         dodge : float
             After a glancing contact the line is moved aside, by so much in all, m.
         """
-        line = self.position if start is None else start
-        along_y, along_x = sine_cosine(heading)
+        line = Line(self.position if start is None else start, heading, length, 0.0)
         aside = _Aside(dodge)
         while True:
-            x, y = (self.position - line).tolist()
-            progress, cross = x * along_x + y * along_y, along_x * y - along_y * x
-            if length - progress < 0.004:
-                return End.ARRIVED
-            if careful and self._is_blocked_ahead():
-                return End.BLOCKED
-            if self._step(*self._steering(heading, cross - aside.offset, length - progress)):
+            why, progress, cross = self.vehicle.follow(
+                line._replace(aside=aside.offset), careful=careful, watch=stop is not None
+            )
+            if why not in (steering.CONTACT, steering.ASK):
+                return End.ARRIVED if why == steering.ARRIVED else End.BLOCKED
+            if why == steering.CONTACT:
                 bearing = wrap(self.vehicle.estimate[2] + self.vehicle.contact - heading)
                 if abs(bearing) <= _GLANCING or not aside.move(progress, cross, bearing > 0.0):
                     return End.CONTACT
@@ -190,7 +181,7 @@ class Pilot:
     def back_off(self, distance: float = 0.03) -> None:
         """Reverse a little, so that the next turn is free."""
         for _ in range(int(np.ceil(distance / (0.5 * self.robot.speed * self.robot.time_step)))):
-            if self._step(-0.5 * self.robot.speed, 0.0):
+            if self.vehicle.step(-0.5 * self.robot.speed, 0.0):
                 return
 
     def drive_to(self, point: Floats, tries: int = 1) -> bool:
@@ -339,26 +330,3 @@ class Pilot:
             kept.append(points[best])
             here, k = points[best], best + 1
         return np.array(kept)
-
-    def _steering(self, heading: float, cross: float, remaining: float) -> tuple[float, float]:
-        """Speed and turn rate that lead back to the line."""
-        robot = self.robot
-        error = wrap(heading - arctangent(4.0 * cross, 1.0) - float(self.vehicle.estimate[2]))
-        turn = min(max(3.0 * error, -robot.turn_rate), robot.turn_rate)
-        speed = min(robot.speed, remaining / robot.time_step) * max(sine_cosine(error)[1], 0.1)
-        return speed, turn
-
-    def _is_blocked_ahead(self) -> bool:
-        """Whether a known obstacle is about to be touched by the body's front.
-
-        What the body merely grazes is left to the bumper.
-        """
-        distance = self.robot.radius + _AHEAD
-        return self.vehicle.grid.is_blocked_ahead(self.vehicle.estimate, distance, _FRONTAL)
-
-    def _step(self, speed: float, turn_rate: float) -> bool:
-        if self.vehicle.time > self.robot.time_limit:
-            raise RoomsegError(
-                f"time_limit: the run is not done after {self.vehicle.time:.0f} s of simulated time"
-            )
-        return self.vehicle.step(speed, turn_rate)

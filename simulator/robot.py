@@ -15,13 +15,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.compiled import compiled
 from simulator.trigonometry import sine_cosine
 
-__all__ = ["RobotSpec", "WheelSlip", "arc", "wrap"]
+__all__ = ["RobotSpec", "WheelSlip", "arc", "roll", "wheel_slip", "wrap"]
 
 Floats = NDArray[np.float64]
 
@@ -162,11 +164,13 @@ class RobotSpec:
             )
 
 
+@compiled
 def wrap(angle: float) -> float:
     """The same angle in [-pi, pi)."""
-    return float((angle + math.pi) % (2.0 * math.pi) - math.pi)
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
+@compiled
 def arc(pose: Floats, left: float, right: float, wheel_base: float) -> Floats:
     """Pose after the wheels have rolled ``left`` and ``right`` metres.
 
@@ -190,26 +194,38 @@ def arc(pose: Floats, left: float, right: float, wheel_base: float) -> Floats:
     return np.array([x, y, wrap(pose[2] + turn)])
 
 
-class WheelSlip:
-    """Slip of both wheels: a constant of the run plus a slowly varying part."""
+class WheelSlip(NamedTuple):
+    """Slip of both wheels: a constant of the run plus a slowly varying part.
 
-    def __init__(self, spec: RobotSpec, rng: np.random.Generator) -> None:
-        self._spec = spec
-        self._rng = rng
-        self._bias = tuple(rng.normal(0.0, spec.slip_bias, 2).tolist())
-        self._wander = (0.0, 0.0)
+    ``bias``, ``wander`` (2,): shares of the commanded travel, left and right; ``wander``
+    changes in place. ``noise`` is its standard deviation, ``memory`` the travel, m, after
+    which it is forgotten.
+    """
 
-    def roll(self, left: float, right: float) -> tuple[float, float]:
-        """True travel of both wheels, m, for the commanded travel, m."""
-        spec = self._spec
-        share = max(abs(left), abs(right)) / spec.slip_memory
-        # exp(-share) by Padé: the library's differs in the last bit between processors.
-        keep = (12.0 - share * (6.0 - share)) / (12.0 + share * (6.0 + share))
-        spread = spec.slip_noise * math.sqrt(1.0 - keep * keep)
-        fresh = self._rng.standard_normal(2)
-        wander = [keep * w + spread * float(f) for w, f in zip(self._wander, fresh, strict=True)]
-        self._wander = (wander[0], wander[1])
-        return (
-            left * (1.0 + self._bias[0] + wander[0]),
-            right * (1.0 + self._bias[1] + wander[1]),
-        )
+    bias: Floats
+    wander: Floats
+    noise: float
+    memory: float
+
+
+def wheel_slip(spec: RobotSpec, rng: np.random.Generator) -> WheelSlip:
+    """The slip of one run at its beginning."""
+    bias = rng.normal(0.0, spec.slip_bias, 2)
+    return WheelSlip(bias, np.zeros(2), spec.slip_noise, spec.slip_memory)
+
+
+@compiled
+def roll(
+    slip: WheelSlip, left: float, right: float, rng: np.random.Generator
+) -> tuple[float, float]:
+    """True travel of both wheels, m, for the commanded travel, m."""
+    share = max(abs(left), abs(right)) / slip.memory
+    # exp(-share) by Padé: the library's differs in the last bit between processors.
+    keep = (12.0 - share * (6.0 - share)) / (12.0 + share * (6.0 + share))
+    spread = slip.noise * math.sqrt(1.0 - keep * keep)
+    for wheel in range(2):
+        slip.wander[wheel] = keep * slip.wander[wheel] + spread * rng.standard_normal()
+    return (
+        left * (1.0 + slip.bias[0] + slip.wander[0]),
+        right * (1.0 + slip.bias[1] + slip.wander[1]),
+    )

@@ -23,6 +23,7 @@ from scenes.apartment import DRIVEN_OVER, Apartment
 from scenes.materials import LAMP_PREFIX, resolve
 from scenes.mesh import wall_materials
 from scenes.solids import WALL, Prism, apartment_solids
+from simulator.compiled import compiled
 from simulator.trigonometry import arctangent, sine_cosine
 
 __all__ = ["FloorCovers", "Surfaces", "boundary", "floor_covers", "seen_surfaces"]
@@ -58,31 +59,48 @@ class FloorCovers:
             height[inside] = np.maximum(height[inside], top)
         return height
 
-    def tilt(self, pose: Floats, wheel_base: float, castor: float) -> tuple[float, float]:
-        """Roll and pitch of a robot that stands on two wheels and a castor, rad.
+    def tilt(self, poses: Floats, wheel_base: float, castor: float) -> Floats:
+        """Roll and pitch of a robot that stands on two wheels and a castor.
 
         Parameters
         ----------
-        pose : array, shape (3,)
+        poses : array, shape (n, 3)
             m, m, rad.
         wheel_base, castor : float
             Distance between the wheels, and of the castor ahead of their axle, m.
 
         Returns
         -------
-        roll, pitch : float
+        array, shape (n, 2)
             About the axis ahead (left side up) and about the axis to the left
             (front down), rad.
         """
-        if not self.shapes:
-            return 0.0, 0.0
-        sine, cosine = sine_cosine(pose[2])
-        ahead = np.array([cosine, sine])
-        left = np.array([-ahead[1], ahead[0]]) * 0.5 * wheel_base
-        points = pose[:2] + np.stack([left, -left, castor * ahead])
-        left_height, right_height, front = self.height(points).tolist()
-        roll = arctangent(left_height - right_height, wheel_base)
-        return roll, arctangent(0.5 * (left_height + right_height) - front, castor)
+        points = _standing(poses, wheel_base, castor)
+        return _tilts(self.height(points).reshape(-1, 3), wheel_base, castor)
+
+
+@compiled
+def _standing(poses: Floats, wheel_base: float, castor: float) -> Floats:
+    """Where left wheel, right wheel and castor touch the floor, (3 n, 2), m."""
+    points = np.empty((3 * len(poses), 2))
+    for k in range(len(poses)):
+        ahead_y, ahead_x = sine_cosine(poses[k, 2])
+        left_x, left_y = -ahead_y * 0.5 * wheel_base, ahead_x * 0.5 * wheel_base
+        points[3 * k] = poses[k, 0] + left_x, poses[k, 1] + left_y
+        points[3 * k + 1] = poses[k, 0] - left_x, poses[k, 1] - left_y
+        points[3 * k + 2] = poses[k, 0] + castor * ahead_x, poses[k, 1] + castor * ahead_y
+    return points
+
+
+@compiled
+def _tilts(heights: Floats, wheel_base: float, castor: float) -> Floats:
+    """Roll and pitch, (n, 2) rad, from the heights of wheels and castor, (n, 3) m."""
+    tilts = np.empty((len(heights), 2))
+    for k in range(len(heights)):
+        left, right, front = heights[k, 0], heights[k, 1], heights[k, 2]
+        tilts[k, 0] = arctangent(left - right, wheel_base)
+        tilts[k, 1] = arctangent(0.5 * (left + right) - front, castor)
+    return tilts
 
 
 def boundary(region: shapely.Geometry) -> Floats:

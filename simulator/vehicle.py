@@ -1,36 +1,37 @@
-"""One time step of the robot: roll, touch, measure, correct, remember (§2.1).
+"""The robot: its body in the true world, its estimate, its map and its records (§2.1).
 
 The vehicle is the only place where truth and belief meet: it moves the true
 body through the true world and hands the strategy nothing but the estimate,
-the map, and the bumper.
+the map, and the bumper. Its time steps are in `simulator.motion`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
+from dataset.errors import RoomsegError
 from dataset.topomap import Obstacles, Path
+from simulator import motion, steering
 from simulator.graph import MapGraph
 from simulator.gridmap import GridMap
-from simulator.laser import SensorSpec, measure
-from simulator.localisation import corrected_estimate
-from simulator.robot import RobotSpec, WheelSlip, arc, wrap
-from simulator.trigonometry import sine_cosine
+from simulator.laser import SensorSpec
+from simulator.localisation import Trust
+from simulator.motion import Body, Log, Machine, Settings
+from simulator.robot import RobotSpec, wheel_slip
+from simulator.steering import Ended, Line
 from simulator.world import World
 
 __all__ = ["Vehicle"]
 
 Floats = NDArray[np.float64]
 
-_FREE_WITHOUT_SPOT = 0.6
-"""A beam without a spot counts as free only so far, m: the spot may be missing."""
-
-_MARK_SPACING = 0.25
-"""m."""
-
-_RECENT = 5
-"""The last nodes of the running lane say nothing new about the position."""
+_ROWS = 256
+"""So many rows of every record are kept free: more than a time step can fill."""
+_TURN_STEPS = 200
+"""A turn takes no more steps."""
 
 
 class Vehicle:
@@ -48,125 +49,127 @@ class Vehicle:
         self.sensor = sensor
         self.graph = MapGraph()
         self.grid = GridMap(pose)
-        self.estimate: Floats = np.array(pose, dtype=np.float64)
-        self.time = 0.0
         self.lane = -1
-        self.contact = 0.0
-        """Where the bumper was last pressed, rad from the heading."""
         self._world = world
         self._rng = rng
-        self._slip = WheelSlip(robot, rng)
-        self._true = self.estimate.copy()
-        self._bearings = sensor.bearings()
-        self._gap = 0.0
-        self._marks: list[Floats] = []
-        self._next_scan = 0.0
-        self._next_correction = 0.0
-        self._points: list[Floats] = []
-        self._rows: list[tuple[float, ...]] = []
+        self._slip = wheel_slip(robot, rng)
+        true = np.array(pose, dtype=np.float64)
+        self._body = Body(true, true.copy(), np.zeros(3), np.zeros(1), np.zeros(1))
+        rows = [np.zeros((2 * _ROWS, *shape)) for shape in ((8,), (4,), (2, 3))]
+        self._log = Log(rows[0], rows[1], rows[2], np.zeros(3, np.int64))
+        settings = vars(sensor) | vars(robot)
+        self._settings = Settings(*(settings[name] for name in Settings._fields))
+        self._bearings, self._look = sensor.bearings(), sensor.look()
+        self._trust = Trust(*(float(getattr(robot, name)) for name in Trust._fields))
         self.step(0.0, 0.0)
+
+    @property
+    def estimate(self) -> Floats:
+        """Where the robot believes to be, (3,) m, m, rad."""
+        return self._body.estimate.copy()
+
+    @property
+    def contact(self) -> float:
+        """Where the bumper was last pressed, rad from the heading."""
+        return float(self._body.contact[0])
+
+    @property
+    def time(self) -> float:
+        """Since the start, s."""
+        return float(self._body.clock[motion.NOW])
 
     def step(self, speed: float, turn_rate: float) -> bool:
         """Drive for one time step; returns whether the bumper was pressed."""
-        dt, half = self.robot.time_step, 0.5 * turn_rate * self.robot.wheel_base
-        left, right = (speed - half) * dt, (speed + half) * dt
-        share, bearing = self._roll(left, right)
-        base = self.robot.wheel_base
-        self.estimate = arc(self.estimate, share * left, share * right, base)
-        self.time += dt
-        if bearing is not None:
-            noise = float(self._rng.normal(0.0, self.sensor.bumper_noise))
-            self.contact = wrap(bearing + noise)
-            self.grid.add_contact(self.estimate, self.contact, self.robot.radius)
-        self._sense()
-        self.graph.visit(self.estimate, self.time, self.robot.visit_radius)
-        self._rows.append((self.time, *self._true.tolist(), *self.estimate.tolist(), self.lane))
-        return bearing is not None
+        return self._run(steering.drive, speed, turn_rate).why == steering.CONTACT
+
+    def turn_to(self, heading: float) -> None:
+        """Turn on the spot, the shorter way."""
+        self._run(steering.turn, heading, _TURN_STEPS)
+
+    def follow(self, line: Line, *, careful: bool, watch: bool) -> Ended:
+        """Drive along a line until something happens; see `simulator.steering.follow`."""
+        return self._run(steering.follow, line, careful, watch)
+
+    def is_covered_ahead(self) -> bool:
+        """Whether older nodes already cover what lies one node spacing ahead."""
+        nodes = self.graph.table(self.lane)
+        return steering.is_covered_ahead(nodes, self._body.estimate, self._settings)
 
     def add_node(self, part: int, lane: int) -> int:
         """Make a node where the robot stands."""
-        tilt = self._world.covers.tilt(self._true, self.robot.wheel_base, self.robot.castor)
-        pose = np.array([*self._true, *tilt])
-        return self.graph.add_node(self.estimate, pose, part, lane, self.time)
+        return self.graph.add_node(self._body.estimate, self._body.true, part, lane, self.time)
+
+    def tilt(self) -> Floats:
+        """True roll and pitch at all nodes, shape (n, 2), rad; for the record only."""
+        covers, robot = self._world.covers, self.robot
+        return covers.tilt(self.graph.true_pose, robot.wheel_base, robot.castor)
 
     def obstacles(self) -> Obstacles:
         """All laser points so far."""
-        rows = np.concatenate(self._points) if self._points else np.zeros((0, 4))
+        rows = self._log.points[: self._log.used[motion.POINTS]].copy()
         return Obstacles(rows[:, :2], rows[:, 2], rows[:, 3].astype(np.uint8))
 
     def path(self) -> Path:
         """The driven path so far."""
-        rows = np.array(self._rows)
+        rows = self._rows().copy()
         return Path(rows[:, 0], rows[:, 1:4], rows[:, 4:7], rows[:, 7].astype(np.int32))
 
     def trail(self) -> Floats:
         """The estimates along the last few minutes of the way, shape (t, 2), m."""
-        return np.array([row[4:6] for row in self._rows[-4000:]])
+        return self._rows()[-4000:, 4:6].copy()
 
-    def _roll(self, left: float, right: float) -> tuple[float, float | None]:
-        """Move the true body; the share of the step that was free and the contact's bearing."""
-        rolled = self._slip.roll(left, right)
-        base, radius = self.robot.wheel_base, self.robot.radius
-        target = arc(self._true, *rolled, base)
-        # No need to look again while the way since the last look was shorter than the gap.
-        self._gap -= abs(left) + abs(right)
-        if self._gap < radius:
-            self._gap = self._world.nearest(target[0], target[1])[0]
-        if self._gap >= radius:
-            self._true = target
-            return 1.0, None
-        low, high = 0.0, 1.0
-        for _ in range(10):
-            share = 0.5 * (low + high)
-            tried = arc(self._true, share * rolled[0], share * rolled[1], base)
-            free = self._world.nearest(tried[0], tried[1])[0] >= radius
-            low, high = (share, high) if free else (low, share)
-        direction = self._world.nearest(target[0], target[1])[1]
-        self._true = arc(self._true, low * rolled[0], low * rolled[1], base)
-        return low, direction - self._true[2]
+    def _rows(self) -> Floats:
+        return self._log.path[: self._log.used[motion.PATH]]
 
-    def _sense(self) -> None:
-        if self.time >= self._next_scan - 1e-9:
-            self._next_scan = self.time + self.sensor.period
-            self._scan()
-        if self.time >= self._next_correction - 1e-9:
-            self._next_correction = self.time + self.robot.correction_period
-            self._correct()
+    def _run(self, steps: Callable[..., Ended], *settings: object) -> Ended:
+        """Run compiled steps, again as long as they end for want of room."""
+        while True:
+            self._make_room()
+            before = int(self._log.used[motion.PATH])
+            ended = steps(self._machine(), *settings, self._rng)
+            rows = self._rows()[before:]
+            self.graph.visit(rows[:, 4:6], rows[:, 0], self.robot.visit_radius)
+            if ended.why != steering.NO_ROOM:
+                return ended
 
-    def _scan(self) -> None:
-        reach = self.sensor.maximum_range
-        ranges = measure(self._world.spots(self._true, self._bearings), self.sensor, self._rng)
-        angles = self.estimate[2] + self._bearings
-        self.grid.add_body(self.estimate, self.robot.radius)
-        self.grid.add_scan(self.estimate, angles, ranges, min(_FREE_WITHOUT_SPOT, reach))
-        beam = np.flatnonzero(np.isfinite(ranges))
-        direction = np.array([sine_cosine(angle) for angle in angles[beam].tolist()]).reshape(-1, 2)
-        points = self.estimate[:2] + ranges[beam, None] * direction[:, ::-1]
-        self._points.append(np.column_stack([points, np.full(len(beam), self.time), beam]))
-
-    def _correct(self) -> None:
-        """Relate the image to those of nearby nodes, or of marks where there are no nodes."""
-        nodes = self.graph.within(self.estimate, self.robot.correction_radius)
-        if self.lane >= 0:
-            nodes = nodes[nodes < len(self.graph) - _RECENT]
-        nodes = nodes[: self.robot.correction_nodes]
-        estimates, poses = self.graph.estimate[nodes], self.graph.true_pose[nodes]
-        if len(nodes) == 0:
-            estimates, poses = self._near_marks()
-        self.estimate = corrected_estimate(
-            self.estimate, self._true, estimates, poses, spec=self.robot, rng=self._rng
+    def _machine(self) -> Machine:
+        return Machine(
+            self._body,
+            self._slip,
+            self._world.touched,
+            self._world.seen,
+            self.grid.table,
+            self.graph.table(self.lane),
+            self._log,
+            self.lane,
+            self._settings,
+            self._bearings,
+            self._look,
+            self._trust,
         )
 
-    def _near_marks(self) -> tuple[Floats, Floats]:
-        """Estimates and true poses of nearby marks, (k, 3) each; sets one where none is near.
+    def _make_room(self) -> None:
+        """For more steps, in the grid and in the records.
 
-        Away from its map the robot keeps images of its way, about four a metre,
-        so that it finds back. They are no part of the map.
+        Raises
+        ------
+        RoomsegError
+            If the run takes longer than ``robot.time_limit``.
         """
-        marks = np.array(self._marks).reshape(-1, 2, 3)
-        away = np.hypot(*(marks[:, 0, :2] - self.estimate[:2]).T)
-        if self.lane < 0 and (len(away) == 0 or away.min() > _MARK_SPACING):
-            self._marks.append(np.stack([self.estimate, self._true]))
-        near = np.argsort(away, kind="stable")[: self.robot.correction_nodes]
-        near = near[away[near] <= self.robot.correction_radius]
-        return marks[near, 0], marks[near, 1]
+        if self.time > self.robot.time_limit:
+            raise RoomsegError(
+                f"time_limit: the run is not done after {self.time:.0f} s of simulated time"
+            )
+        self.grid.hold(self._body.estimate, motion.margin(self._look))
+        used, log = self._log.used, self._log
+        self._log = Log(
+            _with_room(log.path, used[motion.PATH]),
+            _with_room(log.points, used[motion.POINTS]),
+            _with_room(log.marks, used[motion.MARKS]),
+            used,
+        )
+
+
+def _with_room(rows: Floats, used: int) -> Floats:
+    """The same rows, or twice as many where almost all are used."""
+    return rows if len(rows) - used >= _ROWS else np.concatenate([rows, np.zeros_like(rows)])

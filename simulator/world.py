@@ -18,7 +18,7 @@ from simulator.laser import Spots, cast_beams
 from simulator.surfaces import FloorCovers, Surfaces, boundary
 from simulator.trigonometry import arctangent
 
-__all__ = ["World"]
+__all__ = ["Walls", "World", "nearest", "spots"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,6 +43,11 @@ class World:
     maximum_range : float
         Of the longest beam that will be cast, m.
 
+    Attributes
+    ----------
+    touched, seen : Walls
+        What the body can touch, and what the beams can hit.
+
     Raises
     ------
     ValueError
@@ -63,24 +68,9 @@ class World:
         surfaces = surfaces or Surfaces(walls, np.ones(len(walls)))
         self.solid = obstacles
         shapely.prepare(self.solid)
-        self.maximum_range = maximum_range
         self.covers = covers or FloorCovers()
-        self._near = _by_cell(Surfaces(walls, np.ones(len(walls))), _REACH)
-        self._seen = _by_cell(surfaces, maximum_range)
-
-    def nearest(self, x: float, y: float) -> tuple[float, float]:
-        """Distance, m, and direction, rad, of the nearest obstacle.
-
-        Where nothing is within 0.5 m, the distance is 0.5 m and the direction 0.
-        """
-        return _nearest(x, y, self._near)
-
-    def spots(self, pose: Floats, bearings: Floats) -> Spots:
-        """What beams from the centre truly hit; ``inf`` beyond the maximum range."""
-        walls, reflectance = _walls_at(pose[0], pose[1], self._seen)
-        spots = Spots(*cast_beams(pose[:2], pose[2] + bearings, walls, reflectance))
-        beyond = spots.range > self.maximum_range
-        return spots._replace(range=np.where(beyond, np.inf, spots.range))
+        self.touched = _by_cell(Surfaces(walls, np.ones(len(walls))), _REACH)
+        self.seen = _by_cell(surfaces, maximum_range)
 
     def is_free(self, point: Floats, radius: float) -> bool:
         """Whether a body of ``radius`` m stands at ``point`` without touching."""
@@ -88,9 +78,10 @@ class World:
         return bool(shapely.distance(self.solid, place) >= radius)
 
 
-class _Cells(NamedTuple):
-    """Walls by square cells; those of cell c = i · ny + j are ``walls[first[c] : first[c + 1]]``.
+class Walls(NamedTuple):
+    """The walls of a plan by square cells.
 
+    Those of cell c = i · ny + j are ``walls[first[c] : first[c + 1]]``;
     ``low`` (2,) m is the outer corner of cell (0, 0), ``shape`` (nx, ny).
     """
 
@@ -101,7 +92,7 @@ class _Cells(NamedTuple):
     shape: Ints
 
 
-def _by_cell(surfaces: Surfaces, reach: float) -> _Cells:
+def _by_cell(surfaces: Surfaces, reach: float) -> Walls:
     """For every cell the walls that may be within ``reach`` m of a point in it."""
     ends = surfaces.walls.reshape(-1, 2)
     low = np.floor(ends.min(axis=0) / _CELL) * _CELL
@@ -114,25 +105,28 @@ def _by_cell(surfaces: Surfaces, reach: float) -> _Cells:
     order = np.lexsort((wall, cell))
     wall = wall[order]
     first = np.searchsorted(cell[order], np.arange(len(boxes) + 1)).astype(np.int64)
-    return _Cells(surfaces.walls[wall], surfaces.reflectance[wall], first, low, shape)
+    return Walls(surfaces.walls[wall], surfaces.reflectance[wall], first, low, shape)
 
 
 @compiled
-def _walls_at(x: float, y: float, cells: _Cells) -> tuple[Floats, Floats]:
+def _at(plan: Walls, x: float, y: float) -> tuple[Floats, Floats]:
     """Walls near a point (m) and their reflectance; none outside the plan."""
-    i, j = math.floor((x - cells.low[0]) / _CELL), math.floor((y - cells.low[1]) / _CELL)
-    if not (0 <= i < cells.shape[0] and 0 <= j < cells.shape[1]):
-        return cells.walls[:0], cells.reflectance[:0]
-    cell = i * cells.shape[1] + j
-    first, last = cells.first[cell], cells.first[cell + 1]
-    return cells.walls[first:last], cells.reflectance[first:last]
+    i, j = math.floor((x - plan.low[0]) / _CELL), math.floor((y - plan.low[1]) / _CELL)
+    if not (0 <= i < plan.shape[0] and 0 <= j < plan.shape[1]):
+        return plan.walls[:0], plan.reflectance[:0]
+    cell = i * plan.shape[1] + j
+    first, last = plan.first[cell], plan.first[cell + 1]
+    return plan.walls[first:last], plan.reflectance[first:last]
 
 
 @compiled
-def _nearest(x: float, y: float, cells: _Cells) -> tuple[float, float]:
-    """Distance and direction of the nearest wall; see `World.nearest`."""
+def nearest(touched: Walls, x: float, y: float) -> tuple[float, float]:
+    """Distance, m, and direction, rad, of the nearest obstacle.
+
+    Where nothing is within 0.5 m, the distance is 0.5 m and the direction 0.
+    """
     best, gap_x, gap_y = _REACH * _REACH, 1.0, 0.0
-    walls, _ = _walls_at(x, y, cells)
+    walls, _ = _at(touched, x, y)
     for k in range(len(walls)):
         along_x, along_y = walls[k, 1, 0] - walls[k, 0, 0], walls[k, 1, 1] - walls[k, 0, 1]
         to_x, to_y = x - walls[k, 0, 0], y - walls[k, 0, 1]
@@ -143,3 +137,10 @@ def _nearest(x: float, y: float, cells: _Cells) -> tuple[float, float]:
         if squared < best:
             best, gap_x, gap_y = squared, off_x, off_y
     return math.sqrt(best), arctangent(gap_y, gap_x)
+
+
+@compiled
+def spots(seen: Walls, pose: Floats, bearings: Floats) -> Spots:
+    """What beams from the centre truly hit, as far as ``seen`` reaches."""
+    walls, reflectance = _at(seen, pose[0], pose[1])
+    return Spots(*cast_beams(pose[:2], pose[2] + bearings, walls, reflectance))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from simulator import gridcells
 from simulator.detour import plan_detour
 from simulator.gridmap import GridMap
 
@@ -11,13 +12,11 @@ from simulator.gridmap import GridMap
 def grid_with_post():
     """Everything within 1 m seen; a post at the origin."""
     grid = GridMap(np.zeros(2))
-    grid.add_body(np.zeros(3), 0.15)
-    grid.evidence[:] = 0
     centres = np.stack(np.indices(grid.seen.shape), axis=-1)
     points = grid.centres(centres.reshape(-1, 2)).reshape(centres.shape)
     grid.seen[:] = np.abs(points).max(axis=-1) < 1.0
     for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False):
-        grid.add_contact(np.array([0.0, 0.0, 0.0]), angle, 0.05)
+        gridcells.feel(grid.table, np.zeros(3), angle, 0.05)
     return grid
 
 

@@ -11,7 +11,7 @@ from simulator.graph import MapGraph
 def chain(n=5, spacing=0.1):
     graph = MapGraph()
     for k in range(n):
-        graph.add_node(np.array([k * spacing, 0.0, 0.0]), np.zeros(5), 0, 0, float(k))
+        graph.add_node(np.array([k * spacing, 0.0, 0.0]), np.zeros(3), 0, 0, float(k))
         if k:
             graph.add_edge(k - 1, k)
     return graph
@@ -22,7 +22,7 @@ def test_shortest_path_over_a_shortcut():
     graph.add_edge(5, 0)
     length, previous = graph.routes(0)
     assert length[5] == pytest.approx(0.5, abs=1e-4)
-    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(5), 0, 1, 9.0)
+    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
     graph.add_edge(6, 5)
     assert graph.routes(0)[1][6] == 5
     assert previous[1] == 0
@@ -30,7 +30,7 @@ def test_shortest_path_over_a_shortcut():
 
 def test_a_node_without_an_edge_has_no_path():
     graph = chain(3)
-    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(5), 0, 1, 9.0)
+    graph.add_node(np.array([0.5, 0.1, 0.0]), np.zeros(3), 0, 1, 9.0)
     length, previous = graph.routes(0)
     assert length[3] == np.inf and previous[3] < 0 and previous[0] < 0
 
@@ -39,7 +39,7 @@ def test_a_barred_place_is_gone_around():
     """A square: two ways of 1 m and 3 m from corner to corner."""
     graph = MapGraph()
     for k, corner in enumerate([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]):
-        graph.add_node(np.array([*corner, 0.0]), np.zeros(5), 0, 0, float(k))
+        graph.add_node(np.array([*corner, 0.0]), np.zeros(3), 0, 0, float(k))
         if k:
             graph.add_edge(k - 1, k)
     graph.add_edge(0, 3)
@@ -52,7 +52,7 @@ def test_a_barred_place_is_gone_around():
     graph.bar(np.array([0.5, 0.0]), 0.1)
     assert np.isfinite(graph.routes(0)[0]).all()
     graph.remove_from(3)
-    graph.add_node(np.array([0.0, 1.0, 0.0]), np.zeros(5), 0, 0, 3.0)
+    graph.add_node(np.array([0.0, 1.0, 0.0]), np.zeros(3), 0, 0, 3.0)
     graph.add_edge(0, 3)
     assert graph.routes(0)[0][3] == pytest.approx(1.0, abs=1e-4)
 
@@ -60,8 +60,10 @@ def test_a_barred_place_is_gone_around():
 def test_one_visit_per_approach():
     graph = chain(2)
     graph.visits.clear()
-    for time, x in enumerate([0.5, 0.12, 0.11, 0.5, 0.1, 0.02]):
-        graph.visit(np.array([x, 0.0, 0.0]), float(time), 0.03)
+    x = np.array([0.5, 0.12, 0.11, 0.5, 0.1, 0.02])
+    places, times = np.stack([x, np.zeros(6)], axis=1), np.arange(6.0)
+    graph.visit(places[:2], times[:2], 0.03)
+    graph.visit(places[2:], times[2:], 0.03)
     assert graph.visits == [(1.0, 1), (4.0, 1), (5.0, 0)]
 
 
@@ -80,7 +82,7 @@ def test_many_nodes_grow_the_arrays():
 
 def test_distances_leave_out_a_lane():
     graph = chain(3)
-    graph.add_node(np.array([0.0, 0.3, 0.0]), np.zeros(5), 0, 7, 9.0)
+    graph.add_node(np.array([0.0, 0.3, 0.0]), np.zeros(3), 0, 7, 9.0)
     points = np.array([[0.0, 0.3]])
     assert graph.distances(points)[0] == 0.0
     assert graph.distances(points, running_lane=7)[0] == pytest.approx(0.3)

@@ -5,17 +5,31 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from simulator import gridcells
 from simulator.gridmap import CELL, GridMap
 
 ALONG = np.arange(-0.2, 0.21, 0.04)
+
+
+def add_body(grid, pose):
+    grid.hold(pose, 1.0)
+    gridcells.stand(grid.table, pose, 0.15)
+
+
+def add_scan(grid, pose, angle, distance):
+    """One beam; ``nan``: without a spot, free for 0.6 m."""
+    grid.hold(pose, 5.0)
+    angles, ranges = np.array([angle]), np.array([distance])
+    gridcells.pass_beams(grid.table, pose, angles, ranges, 0.6)
+    gridcells.hit(grid.table, pose, angles, ranges)
 
 
 def scan_of_wall(grid, wall_x=0.7, ys=ALONG):
     """Drive along a wall at x = wall_x; one beam looks at it."""
     for y in ys:
         pose = np.array([0.0, y, 0.0])
-        grid.add_body(pose, 0.15)
-        grid.add_scan(pose, np.zeros(1), np.array([wall_x]), 0.6)
+        add_body(grid, pose)
+        add_scan(grid, pose, 0.0, wall_x)
 
 
 def test_a_wall_is_blocked_and_the_way_to_it_seen_and_clear():
@@ -40,10 +54,10 @@ def test_clearance_is_the_distance_to_the_wall():
 def test_a_single_false_point_is_not_an_obstacle():
     grid = GridMap(np.zeros(2))
     pose = np.zeros(3)
-    grid.add_body(pose, 0.15)
-    grid.add_scan(pose, np.zeros(1), np.array([0.5]), 0.6)
+    add_body(grid, pose)
+    add_scan(grid, pose, 0.0, 0.5)
     assert not grid.blocked().any()
-    grid.add_contact(pose, 0.0, 0.15)
+    gridcells.feel(grid.table, pose, 0.0, 0.15)
     assert grid.blocked().any()
 
 
@@ -52,14 +66,14 @@ def test_beams_that_pass_clear_what_is_gone():
     scan_of_wall(grid, 0.4, np.zeros(3))
     assert grid.blocked().any()
     for _ in range(10):
-        grid.add_scan(np.zeros(3), np.zeros(1), np.array([0.9]), 0.6)
+        add_scan(grid, np.zeros(3), 0.0, 0.9)
     assert not grid.blocked_points(np.array([0.3, -0.1]), np.array([0.5, 0.1]), 0.0).size
 
 
 def test_a_beam_without_spot_is_free_only_so_far():
     grid = GridMap(np.zeros(2))
-    grid.add_body(np.zeros(3), 0.15)
-    grid.add_scan(np.zeros(3), np.zeros(1), np.array([np.nan]), 0.6)
+    add_body(grid, np.zeros(3))
+    add_scan(grid, np.zeros(3), 0.0, np.nan)
     assert grid.is_seen(np.array([[0.55, 0.0], [0.65, 0.0]])).tolist() == [True, False]
 
 
@@ -68,7 +82,7 @@ def test_the_grid_grows_and_keeps_what_it_knows():
     scan_of_wall(grid)
     before = grid.blocked_points(np.array([0.0, -0.3]), np.array([1.0, 0.3]), 0.0)
     for pose in ([9.0, 0.0, 0.0], [-7.0, -8.0, 0.0]):
-        grid.add_body(np.array(pose), 0.15)
+        add_body(grid, np.array(pose))
     after = grid.blocked_points(np.array([0.0, -0.3]), np.array([1.0, 0.3]), 0.0)
     np.testing.assert_allclose(after, before, atol=1e-9)
     assert grid.is_seen(np.array([[9.0, 0.0], [-7.0, -8.0], [200.0, 0.0]])).tolist() == [1, 1, 0]
@@ -85,9 +99,9 @@ def test_room_agrees_with_clearance():
 
 def test_a_long_beam_is_marked_where_it_ends():
     grid = GridMap(np.zeros(2))
-    grid.add_body(np.zeros(3), 0.15)
+    add_body(grid, np.zeros(3))
     for distance in (3.3, 3.31):
-        grid.add_scan(np.zeros(3), np.array([np.pi]), np.array([distance]), 0.6)
+        add_scan(grid, np.zeros(3), np.pi, distance)
     assert grid.clearance(np.array([[-3.3, 0.0]]))[0] < 0.05
     assert grid.is_seen(np.array([[-2.5, 0.0]]))[0]
     assert grid.clearance(np.array([[3.3, 0.0], [3.1, 0.0]])).min() == 0.3

@@ -60,7 +60,9 @@ BRIGHT = SensorSpec(dropout=0.0, least_reflectance=1e-9, false_rate=0.0)
 @pytest.mark.parametrize(("distance", "degrees"), [(0.2, 0.0), (0.8, 0.0), (0.2, 60.0)])
 def test_noise_grows_with_range_and_slant(distance, degrees):
     slant = np.radians(degrees)
-    measured = measure(spots(distance, cosine=np.cos(slant)), BRIGHT, np.random.default_rng(0))
+    measured = measure(
+        spots(distance, cosine=np.cos(slant)), BRIGHT.look(), np.random.default_rng(0)
+    )
     expected = BRIGHT.range_noise + BRIGHT.range_noise_quadratic * distance**2
     expected += BRIGHT.range_noise_slant * np.tan(slant)
     assert np.nanstd(measured) == pytest.approx(expected, rel=0.05)
@@ -71,7 +73,7 @@ def test_dark_slanted_and_far_surfaces_are_missed():
     rng = np.random.default_rng(0)
 
     def missed(*args, **kwargs):
-        return np.isnan(measure(spots(*args, **kwargs), spec, rng)).mean()
+        return np.isnan(measure(spots(*args, **kwargs), spec.look(), rng)).mean()
 
     # Found: 0.8 of what the brightness leaves, 1 - 0.4 r² / (cosine · reflectance).
     assert missed(0.5, reflectance=0.8) == pytest.approx(1 - 0.8 * 0.875, abs=0.01)
@@ -83,7 +85,7 @@ def test_dark_slanted_and_far_surfaces_are_missed():
 
 def test_false_measurements_appear_where_nothing_is():
     spec = SensorSpec(false_rate=0.05)
-    ranges = measure(spots(np.inf), spec, np.random.default_rng(0))
+    ranges = measure(spots(np.inf), spec.look(), np.random.default_rng(0))
     false = np.isfinite(ranges)
     assert false.mean() == pytest.approx(0.05, abs=0.005)
     assert ranges[false].min() >= 0.15 and ranges[false].max() <= spec.maximum_range

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from simulator.localisation import corrected_estimate
-from simulator.robot import RobotSpec
+from simulator.localisation import Trust, corrected_estimate
 
-EXACT = RobotSpec(correction_gain=1.0, correction_position_noise=0.0, correction_heading_noise=0.0)
+EXACT = Trust(1.0, 0.0, 0.0)
 
 
 def moved(pose, angle, shift):
@@ -25,26 +24,22 @@ def test_a_drifted_map_pulls_the_robot_to_its_place_in_that_map():
     angle, shift = 0.2, np.array([0.5, -0.3])
     estimates = np.array([moved(node, angle, shift) for node in nodes])
     wrong = moved(truth, angle, shift) + np.array([0.05, -0.04, 0.1])
-    corrected = corrected_estimate(wrong, truth, estimates, nodes, spec=EXACT, rng=rng)
+    images = np.stack([estimates, nodes], axis=1)
+    corrected = corrected_estimate(wrong, truth, images, EXACT, rng)
     np.testing.assert_allclose(corrected, moved(truth, angle, shift), atol=1e-12)
 
 
 def test_the_gain_is_the_share_that_is_taken_over():
-    spec = RobotSpec(
-        correction_gain=0.25, correction_position_noise=0.0, correction_heading_noise=0.0
-    )
-    node = np.array([[0.0, 0.0, 0.0]])
     truth, estimate = np.array([0.3, 0.0, 0.0]), np.array([0.34, 0.08, 0.0])
     corrected = corrected_estimate(
-        estimate, truth, node, node, spec=spec, rng=np.random.default_rng(0)
+        estimate, truth, np.zeros((1, 2, 3)), Trust(0.25, 0.0, 0.0), np.random.default_rng(0)
     )
     np.testing.assert_allclose(corrected, [0.33, 0.06, 0.0], atol=1e-12)
 
 
 def test_without_nodes_nothing_changes():
-    none = np.zeros((0, 3))
     estimate = np.array([1.0, 2.0, 3.0])
     got = corrected_estimate(
-        estimate, np.zeros(3), none, none, spec=EXACT, rng=np.random.default_rng(0)
+        estimate, np.zeros(3), np.zeros((0, 2, 3)), EXACT, np.random.default_rng(0)
     )
     np.testing.assert_array_equal(got, estimate)
