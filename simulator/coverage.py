@@ -37,7 +37,9 @@ _SECOND_CHANCES = 30
 """So often in a run a place is not given up because the robot was stuck on its way."""
 
 _BETWEEN_BEAMS = 0.1
-"""At last, floor that narrow between two beams counts as seen, too, m."""
+"""When nothing else is left, floor that narrow between two beams counts as seen, too, m."""
+_BOLD = 2.0
+"""A place that only a bold plan reaches counts as so much farther away, m."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,19 @@ class _Neighbour:
 
     node: int
     point: Floats
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """How boldly the robot plans.
+
+    ``clearance`` that its centre needs, m; ``toll``: its places count as so much farther
+    away, m; ``tried``: places that could not be reached so.
+    """
+
+    clearance: float
+    toll: float
+    tried: list[Floats]
 
 
 class CoverageStrategy:
@@ -66,9 +81,10 @@ class CoverageStrategy:
         self.pilot = Pilot(vehicle)
         self.robot = vehicle.robot
         self.lanes = LaneDriver(self.pilot, progress)
-        self._clearance = vehicle.robot.radius - vehicle.robot.caution
-        self._tried: list[Floats] = []
-        self._tried_at_last: list[Floats] = []
+        radius = vehicle.robot.radius
+        self._usual = _Plan(radius - vehicle.robot.caution, 0.0, [])
+        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD, [])
+        self._plan = self._usual
         self._parts = 0
         self._second_chances = _SECOND_CHANCES
 
@@ -76,21 +92,9 @@ class CoverageStrategy:
         """Cover everything that can be reached, then return to the base."""
         lane = self._first_lane()
         while lane is not None:
-            while lane is not None:
-                self._meander(lane)
-                lane = self._new_part()
-            lane = self._last_attempt()
+            self._meander(lane)
+            lane = self._new_part()
         self.pilot.travel(0)
-
-    def _last_attempt(self) -> Lane | None:
-        """A part at what only a bolder plan reaches: through a tight gap, between two beams."""
-        self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
-        usual = self._clearance, self._tried
-        self._clearance = self.robot.radius - self.robot.last_caution
-        self._tried = self._tried_at_last
-        lane = self._new_part()
-        self._clearance, self._tried = usual
-        return lane
 
     def _first_lane(self) -> Lane | None:
         """Look around, then drive a lane from the base along the walls in sight."""
@@ -150,7 +154,7 @@ class CoverageStrategy:
         points = (old * along).sum(axis=1)[:, None] * along + across * normal
         valid = self._is_uncovered(points, spacing)
         for k in np.flatnonzero(valid)[::-1]:
-            if not self.pilot.can_drive(old[k], points[k], self._clearance):
+            if not self.pilot.can_drive(old[k], points[k], self._plan.clearance):
                 continue
             if self._length_through(points[k], lane.heading) >= self.robot.minimum_lane:
                 return _Neighbour(int(nodes[k]), points[k])
@@ -158,11 +162,11 @@ class CoverageStrategy:
 
     def _is_uncovered(self, points: Floats, spacing: float) -> NDArray[np.bool_]:
         """Open for the centre, away from nodes, and not tried before."""
-        valid = self.vehicle.grid.is_open(points, self._clearance)
+        valid = self.vehicle.grid.is_open(points, self._plan.clearance)
         limit = min(self.robot.cover_radius, spacing - 0.05)
         valid &= self.vehicle.graph.distances(points) > limit
-        if self._tried:
-            gap = points[:, None] - np.array(self._tried)[None]
+        if self._plan.tried:
+            gap = points[:, None] - np.array(self._plan.tried)[None]
             valid &= np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > 0.1
         return valid
 
@@ -175,7 +179,7 @@ class CoverageStrategy:
         nodes = self.vehicle.graph.position
         grid = self.vehicle.grid
         run = free_run(
-            grid, nodes, point[None], heading, spec=self.robot, clearance=self._clearance
+            grid, nodes, point[None], heading, spec=self.robot, clearance=self._plan.clearance
         )
         return float(run[0])
 
@@ -199,6 +203,7 @@ class CoverageStrategy:
             if self._enter(entrance.node, entrance.point):
                 lane = self._begin_part(entrance)
                 self._give_up_if_uncovered(entrance.point)
+            self._plan = self._usual
             if lane is not None:
                 self._parts += 1
                 return lane
@@ -206,32 +211,49 @@ class CoverageStrategy:
     def _begin_part(self, entrance: Entrance) -> Lane | None:
         if entrance.piercing:
             self.pilot.turn_to(entrance.heading)
-            return self.lanes.lane_from_here(entrance.heading, self._parts, opening=self._clearance)
+            return self.lanes.lane_from_here(
+                entrance.heading, self._parts, opening=self._plan.clearance
+            )
         return self.lanes.lane_through(entrance.point, entrance.heading, self._parts)
 
     def _nearest_entrance(self) -> Entrance | None:
-        """The entrance to the frontier that is nearest by the map's paths."""
-        graph, grid = self.vehicle.graph, self.vehicle.grid
-        tried = np.array(self._tried).reshape(-1, 2)
+        """The entrance to the frontier that is nearest by the map's paths, and its plan."""
         while True:
-            frontiers = find_frontiers(grid, graph.position, tried, self.robot, self._clearance)
-            if not frontiers:
+            found = self._frontiers()
+            if not found:
+                self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
+                found = self._frontiers()
+            if not found:
                 return None
-            length, _ = graph.routes(self.pilot.current_node())
-            for frontier in sorted(frontiers, key=lambda f: self._way(f, length)):
-                axis = self.lanes.headings[graph.lane[frontier.node[0]]]
-                entrance = propose_entrance(
-                    grid,
-                    graph.position,
-                    frontier,
-                    axis,
-                    spec=self.robot,
-                    clearance=self._clearance,
-                )
+            length, _ = self.vehicle.graph.routes(self.pilot.current_node())
+            for plan, frontier in sorted(found, key=lambda f: f[0].toll + self._way(f[1], length)):
+                entrance = self._entrance(frontier, plan)
                 if entrance is not None:
+                    self._plan = plan
                     return entrance
-                self._tried.extend(frontier.points[::4])
-            tried = np.array(self._tried).reshape(-1, 2)
+                plan.tried.extend(frontier.points[::4])
+
+    def _frontiers(self) -> list[tuple[_Plan, Frontier]]:
+        """What either plan could reach."""
+        grid, nodes = self.vehicle.grid, self.vehicle.graph.position
+        return [
+            (plan, frontier)
+            for plan in (self._usual, self._bold)
+            for frontier in find_frontiers(
+                grid, nodes, np.array(plan.tried).reshape(-1, 2), self.robot, plan.clearance
+            )
+        ]
+
+    def _entrance(self, frontier: Frontier, plan: _Plan) -> Entrance | None:
+        graph = self.vehicle.graph
+        return propose_entrance(
+            self.vehicle.grid,
+            graph.position,
+            frontier,
+            self.lanes.headings[graph.lane[frontier.node[0]]],
+            spec=self.robot,
+            clearance=plan.clearance,
+        )
 
     @staticmethod
     def _way(frontier: Frontier, length: Floats) -> float:
@@ -254,10 +276,10 @@ class CoverageStrategy:
             # The place is not to blame, and is worth another try from elsewhere.
             self._second_chances -= 1
         else:
-            self._tried.append(point)
+            self._plan.tried.append(point)
         return False
 
     def _give_up_if_uncovered(self, point: Floats) -> None:
         """Remember a place that was entered but that the lane did not cover."""
         if self.vehicle.graph.distances(point[None])[0] > self.robot.cover_radius:
-            self._tried.append(point)
+            self._plan.tried.append(point)
