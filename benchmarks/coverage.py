@@ -45,14 +45,15 @@ def one_run(key: tuple[str, int], folder: Path) -> dict[str, Any]:
     """Clean a place from one of its starts; figures of the run."""
     from dataset import RoomsegError
     from scenes.solids import obstacles
-    from simulator import RobotSpec, coverage_report, simulate
+    from simulator import RobotSpec, coverage_report, random_start, simulate
 
     place, number = key
     apartment, seed = apartment_of(place)
     robot = RobotSpec()
     solid = obstacles(apartment, high=robot.height)
     shapely.prepare(solid)
-    start = random_start(apartment, solid, robot, [seed, number]) if number else None
+    rng = np.random.default_rng([seed, number])
+    start = random_start(apartment, robot, rng) if number else None
     figures: dict[str, Any] = {"place": place, "start": number, "rooms": len(apartment.rooms)}
     begin = time.process_time()
     try:
@@ -79,20 +80,6 @@ def apartment_of(place: str) -> tuple[Any, int]:
     if name == "home" and seed.isdecimal():
         return generate_apartment(int(seed)), int(seed)
     return load_apartment(place), 0
-
-
-def random_start(
-    apartment: Any, solid: shapely.Geometry, robot: Any, seed: list[int]
-) -> tuple[float, float, float]:
-    """A pose (m, rad) that the robot can reach."""
-    from scenes.passages import reachable_positions
-
-    rng = np.random.default_rng(seed)
-    places = reachable_positions(apartment, robot.radius)
-    # Grid points on the very limit may touch by rounding.
-    places = places[~shapely.dwithin(solid, shapely.points(places), robot.radius + 1e-6)]
-    x, y = places[rng.integers(len(places))].tolist()
-    return x, y, float(rng.uniform(-np.pi, np.pi))
 
 
 def is_failure(figures: dict[str, Any]) -> bool:

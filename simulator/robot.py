@@ -77,7 +77,8 @@ class RobotSpec:
         not joined, and well above the 0.316 m of the diagonal neighbour, which
         gives the tight diagonals of Fig. 4.
     edge_clearance : float
-        A straight line is direct travel if no known obstacle is nearer to it, m.
+        A straight line is direct travel if no known obstacle is nearer to it, m: the
+        radius but for what the map may be wrong by.
     cover_radius : float
         A position is covered if a node is this near, m.
     overlap_radius : float
@@ -126,7 +127,7 @@ class RobotSpec:
     lane_spacing: float = 0.30
     node_spacing: float = 0.10
     edge_radius: float = 0.40
-    edge_clearance: float = 0.08
+    edge_clearance: float = 0.12
     cover_radius: float = 0.20
     overlap_radius: float = 0.20
     squeeze_spacing: float = 0.25

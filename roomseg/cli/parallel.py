@@ -22,7 +22,7 @@ def in_processes(
     work: Callable[[Item], Result],
     items: Sequence[Item],
     jobs: int,
-    lost: Callable[[Item], Result],
+    lost: Callable[[Item], Result] | None = None,
 ) -> Iterator[Result]:
     """Yield the results of ``work`` as they come, in whatever order.
 
@@ -36,15 +36,24 @@ def in_processes(
     items : sequence
     jobs : int
         How many processes.
-    lost : callable
+    lost : callable, optional
         Makes the result of an item over which a process died twice.
+
+    Raises
+    ------
+    RoomsegError
+        If a process died twice over an item and there is no ``lost``.
     """
+    from dataset.errors import RoomsegError
+
     suspects: list[Item] = []
     yield from _work_through(work, deque(items), jobs, suspects)
     for item in suspects:
         dead: list[Item] = []
         yield from _work_through(work, deque([item]), 1, dead)
-        yield from map(lost, dead)
+        if dead and lost is None:
+            raise RoomsegError("a process died, twice; call the command again to go on")
+        yield from map(lost, dead) if lost else ()
 
 
 def _work_through(

@@ -11,16 +11,17 @@ from pathlib import Path
 
 import pytest
 
+from dataset import RoomsegError
 from roomseg.cli.parallel import in_processes
 
 
 def test_every_result_comes_once():
-    assert sorted(in_processes(abs, [-3, 1, -2, 0], 2, lost=str)) == [0, 1, 2, 3]
+    assert sorted(in_processes(abs, [-3, 1, -2, 0], 2)) == [0, 1, 2, 3]
 
 
 def test_an_error_of_the_work_is_passed_on():
     with pytest.raises(ValueError, match="invalid literal"):
-        list(in_processes(int, ["1", "one"], 2, lost=str))
+        list(in_processes(int, ["1", "one"], 2))
 
 
 def die_over_three(number: int) -> int:
@@ -34,6 +35,11 @@ def test_a_process_that_dies_loses_its_own_work_only():
     assert sorted(found) == [-3, 1, 2, 4, 5, 6]
 
 
+def test_a_process_that_dies_is_one_line_where_nobody_minds():
+    with pytest.raises(RoomsegError, match="a process died, twice; call the command again"):
+        list(in_processes(die_over_three, [3], 2))
+
+
 def die_once(marker: Path) -> str:
     if not marker.exists():
         marker.touch()
@@ -43,7 +49,7 @@ def die_once(marker: Path) -> str:
 
 def test_what_was_killed_is_tried_again(tmp_path):
     markers = [tmp_path / name for name in "abc"]
-    assert sorted(in_processes(die_once, markers, 2, lost=str)) == ["a", "b", "c"]
+    assert sorted(in_processes(die_once, markers, 2)) == ["a", "b", "c"]
 
 
 def children_of(pid: int) -> list[int]:
@@ -55,7 +61,7 @@ def children_of(pid: int) -> list[int]:
 def test_processes_end_with_their_parent():
     code = (
         "import time; from roomseg.cli.parallel import in_processes\n"
-        "if __name__ == '__main__': list(in_processes(time.sleep, [60, 60], 2, lost=str))"
+        "if __name__ == '__main__': list(in_processes(time.sleep, [60, 60], 2))"
     )
     parent = subprocess.Popen([sys.executable, "-c", code])
     deadline = time.monotonic() + 30.0

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from dataset import crosses_border
 from dataset.errors import RoomsegError
 from scenes import load_apartment
-from scenes.apartment import Threshold
+from scenes.apartment import Block, Threshold
 from scenes.solids import obstacles
 from simulator import RobotSpec, SensorSpec, coverage_report, simulate
 
@@ -260,3 +260,22 @@ def test_crossing_borders_by_hand():
 def test_a_base_outside_the_rooms_is_refused():
     with pytest.raises(RoomsegError, match="outside the rooms"):
         simulate(load_apartment("demo1"), start=(50.0, 50.0, 0.0))
+
+
+def gap_edges(clearance: float) -> int:
+    """Edges through a gap of 22 cm in a thin wall that ends in the room."""
+    wall = ((0.0, 0.45), (0.67, 1.1))
+    blocks = tuple(
+        Block(polygon=((1.18, low), (1.22, low), (1.22, high), (1.18, high)), top=0.5)
+        for low, high in wall
+    )
+    plan = box_room().model_copy(update={"blocks": blocks})
+    topomap = simulate(plan, seed=1, robot=RobotSpec(edge_clearance=clearance))
+    assert coverage_report(topomap, plan).coverage >= 0.97
+    lines = shapely.linestrings(topomap.nodes.true_pose[topomap.edges, :2])
+    return int(shapely.intersects(lines, shapely.LineString([(1.2, 0.3), (1.2, 0.9)])).sum())
+
+
+def test_no_edge_leads_through_a_gap_that_the_body_cannot_pass():
+    assert gap_edges(RobotSpec().edge_clearance) == 0
+    assert gap_edges(0.05) > 0, "the gap is where edges could be"
