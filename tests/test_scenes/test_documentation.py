@@ -10,7 +10,7 @@ from typing import get_args
 import pytest
 
 from scenes import Apartment, apartment_from_json, check, reachable_positions
-from scenes.apartment import Block, Room, RoomKind
+from scenes.apartment import Block, Passage, Room, RoomKind, Threshold
 from scenes.materials import BUILT_IN
 from scenes.pieces import KINDS
 from test_scenes.places import two_rooms
@@ -40,7 +40,8 @@ def test_further_fields_go_with_the_example(fields):
 
 
 def test_the_page_says_what_an_apartment_and_a_room_may_have():
-    fields = {*Apartment.model_fields, *Block.model_fields, *Room.model_fields}
+    models = (Apartment, Block, Passage, Room, Threshold)
+    fields = {name for model in models for name in model.model_fields}
     assert [name for name in sorted(fields) if not re.search(rf"\b{name}\b", PAGE)] == []
     assert all(f"`{kind}`" in PAGE for kind in get_args(RoomKind))
 
