@@ -99,7 +99,8 @@ def test_lanes_have_the_colour_of_their_nodes(sim4, read_back):
     _, rows = read_back(topomap)
     times, node_colours = rows("map/nodes", "Color")
     at = dict(zip(np.round(times, 3), [row[0] for row in node_colours], strict=True))
-    assert len(set(at.values())) == len(np.unique(topomap.nodes.part))
+    # There are 27 colours to tell apart.
+    assert len(set(at.values())) == min(27, len(np.unique(topomap.nodes.part)))
     times, lane_colours = rows("map/lanes", "Color")
     right = [
         at[now] == row[0]
