@@ -134,7 +134,8 @@ def _by_name(apartments: Sequence[str]) -> tuple[dict[str, str], list[str]]:
     problems = []
     for source in apartments:
         try:
-            place = load_apartment(source, checked=False)
+            # Many are checked where they are cleaned: here it would take a minute or so.
+            place = load_apartment(source, checked=len(apartments) == 1)
         except SceneError as error:
             problems.append(str(error))
             continue
