@@ -74,11 +74,11 @@ def find_frontiers(
     if found is None:
         return []
     cells = found[:, 0, ::-1].astype(np.int64)
-    low, high = cells.min(axis=0), cells.max(axis=0) + 1
-    part = np.ascontiguousarray(mask[low[0] : high[0], low[1] : high[1]])
+    column, row, width, height = cv2.boundingRect(found)
+    part = np.ascontiguousarray(mask[row : row + height, column : column + width])
     count, labels = cv2.connectedComponents(part, connectivity=4)
     points = grid.centres(cells)
-    label = labels[tuple((cells - low).T)]
+    label = labels[cells[:, 0] - row, cells[:, 1] - column]
     far = max(spec.cover_radius + spec.frontier_depth, spec.lane_spacing + _BESIDE) + CELL
     tree = cKDTree(nodes, balanced_tree=False, compact_nodes=False)
     deep, node = tree.query(points, distance_upper_bound=far)
@@ -86,9 +86,10 @@ def find_frontiers(
     depth = np.zeros(count)
     np.maximum.at(depth, label, deep)
     worth = (area >= spec.frontier_area) & (depth >= spec.cover_radius + spec.frontier_depth)
+    beside = np.flatnonzero(deep <= spec.lane_spacing + _BESIDE)
     frontiers = []
     for k in np.flatnonzero(worth):
-        mine = np.flatnonzero((label == k) & (deep <= spec.lane_spacing + _BESIDE))
+        mine = beside[label[beside] == k]
         if len(mine):
             frontiers.append(Frontier(points[mine], node[mine], deep[mine]))
     return frontiers

@@ -111,7 +111,7 @@ def test_floor_between_near_beams_counts_as_seen():
     """Beams 10 cm apart; there is nothing between those 30 cm apart."""
     grid = GridMap(np.zeros(2))
     for y in (0.0, 0.1, 0.4):
-        grid.add_scan(np.array([0.0, y, 0.0]), np.zeros(1), np.array([np.nan]), 0.6)
+        add_scan(grid, np.array([0.0, y, 0.0]), 0.0, np.nan)
     between = np.array([[0.3, 0.05], [0.3, 0.25], [0.8, 0.05]])
     assert grid.is_seen(between).tolist() == [False, False, False]
     grid.bridge_seen(0.1)
