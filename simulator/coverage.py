@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -225,24 +226,31 @@ class CoverageStrategy:
                 found = self._frontiers()
             if not found:
                 return None
-            length, _ = self.vehicle.graph.routes(self.pilot.current_node())
-            for plan, frontier in sorted(found, key=lambda f: f[0].toll + self._way(f[1], length)):
+            for _, plan, frontier in found:
                 entrance = self._entrance(frontier, plan)
                 if entrance is not None:
                     self._plan = plan
                     return entrance
                 plan.tried.extend(frontier.points[::4])
 
-    def _frontiers(self) -> list[tuple[_Plan, Frontier]]:
-        """What either plan could reach."""
-        grid, nodes = self.vehicle.grid, self.vehicle.graph.position
-        return [
-            (plan, frontier)
-            for plan in (self._usual, self._bold)
-            for frontier in find_frontiers(
-                grid, nodes, np.array(plan.tried).reshape(-1, 2), self.robot, plan.clearance
-            )
-        ]
+    def _frontiers(self) -> list[tuple[float, _Plan, Frontier]]:
+        """What either plan could reach, the nearest first, with its way and toll, m."""
+        grid, graph = self.vehicle.grid, self.vehicle.graph
+        length, _ = graph.routes(self.pilot.current_node())
+        found: list[tuple[float, _Plan, Frontier]] = []
+        for plan in (self._usual, self._bold):
+            nearer = [place for place in found if place[0] <= plan.toll]
+            if nearer:
+                # No place of this plan can come before them: no need to look.
+                return sorted(nearer, key=itemgetter(0))
+            tried = np.array(plan.tried).reshape(-1, 2)
+            found += [
+                (plan.toll + self._way(frontier, length), plan, frontier)
+                for frontier in find_frontiers(
+                    grid, graph.position, tried, self.robot, plan.clearance
+                )
+            ]
+        return sorted(found, key=itemgetter(0))
 
     def _entrance(self, frontier: Frontier, plan: _Plan) -> Entrance | None:
         graph = self.vehicle.graph
