@@ -166,8 +166,9 @@ class CoverageStrategy:
         valid = self.vehicle.grid.is_open(points, self._plan.clearance)
         limit = min(self.robot.cover_radius, spacing - 0.05)
         valid &= self.vehicle.graph.distances(points) > limit
-        if self._plan.tried:
-            gap = points[:, None] - np.array(self._plan.tried)[None]
+        tried = self._tried(self._plan)
+        if len(tried):
+            gap = points[:, None] - tried[None]
             valid &= np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > 0.1
         return valid
 
@@ -243,14 +244,17 @@ class CoverageStrategy:
             if nearer:
                 # No place of this plan can come before them: no need to look.
                 return sorted(nearer, key=itemgetter(0))
-            tried = np.array(plan.tried).reshape(-1, 2)
             found += [
                 (plan.toll + self._way(frontier, length), plan, frontier)
                 for frontier in find_frontiers(
-                    grid, graph.position, tried, self.robot, plan.clearance
+                    grid, graph.position, self._tried(plan), self.robot, plan.clearance
                 )
             ]
         return sorted(found, key=itemgetter(0))
+
+    def _tried(self, plan: _Plan) -> Floats:
+        """Places that are not tried again, (t, 2) m."""
+        return np.array(plan.tried + self.lanes.forgotten).reshape(-1, 2)
 
     def _entrance(self, frontier: Frontier, plan: _Plan) -> Entrance | None:
         graph = self.vehicle.graph
