@@ -17,7 +17,7 @@ every attempt adds a node or uses up a place, so the run ends.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from operator import itemgetter
 
 import numpy as np
@@ -37,6 +37,8 @@ Floats = NDArray[np.float64]
 _SECOND_CHANCES = 30
 """So often in a run a place is not given up because the robot was stuck on its way."""
 
+_ROUNDS = 1
+"""So often in a run all places that were not reached are tried again."""
 _BETWEEN_BEAMS = 0.1
 """When nothing else is left, floor that narrow between two beams counts as seen, too, m."""
 _BOLD = 2.0
@@ -61,7 +63,8 @@ class _Plan:
 
     clearance: float
     toll: float
-    tried: list[Floats]
+    tried: list[Floats] = field(default_factory=list)
+    unreached: list[Floats] = field(default_factory=list)
 
 
 class CoverageStrategy:
@@ -83,11 +86,12 @@ class CoverageStrategy:
         self.robot = vehicle.robot
         self.lanes = LaneDriver(self.pilot, progress)
         radius = vehicle.robot.radius
-        self._usual = _Plan(radius - vehicle.robot.caution, 0.0, [])
-        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD, [])
+        self._usual = _Plan(radius - vehicle.robot.caution, 0.0)
+        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD)
         self._plan = self._usual
         self._parts = 0
         self._second_chances = _SECOND_CHANCES
+        self._rounds = _ROUNDS
 
     def run(self) -> None:
         """Cover everything that can be reached, then return to the base."""
@@ -223,7 +227,7 @@ class CoverageStrategy:
         while True:
             found = self._frontiers()
             if not found:
-                self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
+                self._look_again()
                 found = self._frontiers()
             if not found:
                 return None
@@ -233,6 +237,14 @@ class CoverageStrategy:
                     self._plan = plan
                     return entrance
                 plan.tried.extend(frontier.points[::4])
+
+    def _look_again(self) -> None:
+        """Before going home: count more as seen, and try once more what was not reached."""
+        self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
+        if self._rounds > 0:
+            self._rounds -= 1
+            for plan in (self._usual, self._bold):
+                plan.unreached.clear()
 
     def _frontiers(self) -> list[tuple[float, _Plan, Frontier]]:
         """What either plan could reach, the nearest first, with its way and toll, m."""
@@ -254,7 +266,7 @@ class CoverageStrategy:
 
     def _tried(self, plan: _Plan) -> Floats:
         """Places that are not tried again, (t, 2) m."""
-        return np.array(plan.tried + self.lanes.forgotten).reshape(-1, 2)
+        return np.array(plan.tried + plan.unreached + self.lanes.forgotten).reshape(-1, 2)
 
     def _entrance(self, frontier: Frontier, plan: _Plan) -> Entrance | None:
         graph = self.vehicle.graph
@@ -288,7 +300,7 @@ class CoverageStrategy:
             # The place is not to blame, and is worth another try from elsewhere.
             self._second_chances -= 1
         else:
-            self._plan.tried.append(point)
+            self._plan.unreached.append(point)
         return False
 
     def _give_up_if_uncovered(self, point: Floats) -> None:
