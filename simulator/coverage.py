@@ -58,11 +58,14 @@ class _Plan:
     """How boldly the robot plans.
 
     ``clearance`` that its centre needs, m; ``toll``: its places count as so much farther
-    away, m; ``tried``: places that could not be reached so.
+    away, m; ``tries`` to drive to a place: a tight gap is often missed at first;
+    ``tried``: places that are not entered again; ``unreached``: those that could not be
+    reached.
     """
 
     clearance: float
     toll: float
+    tries: int
     tried: list[Floats] = field(default_factory=list)
     unreached: list[Floats] = field(default_factory=list)
 
@@ -86,8 +89,8 @@ class CoverageStrategy:
         self.robot = vehicle.robot
         self.lanes = LaneDriver(self.pilot, progress)
         radius = vehicle.robot.radius
-        self._usual = _Plan(radius - vehicle.robot.caution, 0.0)
-        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD)
+        self._usual = _Plan(radius - vehicle.robot.caution, 0.0, tries=1)
+        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD, tries=3)
         self._plan = self._usual
         self._parts = 0
         self._second_chances = _SECOND_CHANCES
@@ -292,7 +295,9 @@ class CoverageStrategy:
         direct = direct and pilot.can_drive(pilot.position, point, self.robot.radius)
         if direct and pilot.drive_to(point):
             return True
-        if pilot.travel(node) and (pilot.drive_to(point) or pilot.drive_around(point)):
+        if pilot.travel(node) and (
+            pilot.drive_to(point, self._plan.tries) or pilot.drive_around(point)
+        ):
             return True
         if float(np.hypot(*(point - pilot.position))) < 0.1:
             return True
