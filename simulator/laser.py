@@ -95,6 +95,12 @@ class SensorSpec:
             raise ValueError(
                 f"bearings_deg: {len(self.bearings_deg)} bearings, expected beams = {self.beams}"
             )
+        if not np.isfinite(self.bearings_deg or ()).all():
+            raise ValueError(f"bearings_deg: {self.bearings_deg}, expected finite angles")
+        if self.maximum_range > _FARTHEST:
+            raise ValueError(
+                f"maximum_range: {self.maximum_range}, expected at most {_FARTHEST:g} m"
+            )
 
     def bearings(self) -> Floats:
         """Beam bearings from the robot's heading, rad, shape (beams,)."""
@@ -106,6 +112,9 @@ class SensorSpec:
         """The settings that make a measurement."""
         return Look(*(float(getattr(self, name)) for name in Look._fields))
 
+
+_FARTHEST = 20.0
+"""Memory and time grow with the square of the range, m."""
 
 _NOT_NEGATIVE = (
     "height",

@@ -28,6 +28,9 @@ __all__ = ["RobotSpec", "WheelSlip", "arc", "roll", "wheel_slip", "wrap"]
 Floats = NDArray[np.float64]
 
 
+_LARGEST = 0.3
+"""The robot looks for obstacles on its grid so far around a place, m (`GridMap.clearance`)."""
+
 _POSITIVE = (
     "radius",
     "height",
@@ -150,6 +153,8 @@ class RobotSpec:
         for name in _POSITIVE:
             if getattr(self, name) == 0:
                 raise ValueError(f"{name}: 0, expected > 0")
+        if self.radius > _LARGEST:
+            raise ValueError(f"radius: {self.radius}, expected at most {_LARGEST:g} m")
         if self.correction_gain > 1:
             raise ValueError(f"correction_gain: {self.correction_gain}, expected 0..1")
         if min(self.squeeze_spacing, self.lane_spacing) < self.cover_radius + 0.05 - 1e-9:

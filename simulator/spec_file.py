@@ -14,6 +14,7 @@ bearings_deg = [0.0, 30.0, -30.0]
 from __future__ import annotations
 
 import difflib
+import sys
 import tomllib
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -85,7 +86,7 @@ def _value(value: Any, default: Any, place: str) -> Any:
             return tuple(float(item) for item in value)
         raise FormatError(f"{place}: {value!r}, expected a list of numbers")
     if isinstance(default, int):
-        if isinstance(value, int) and not isinstance(value, bool):
+        if isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**31:
             return value
         raise FormatError(f"{place}: {value!r}, expected a whole number")
     if _is_number(value):
@@ -94,4 +95,7 @@ def _value(value: Any, default: Any, place: str) -> Any:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether a value is a number that a float can hold: TOML's integers may be longer."""
+    if isinstance(value, int):
+        return not isinstance(value, bool) and abs(value) <= sys.float_info.max
+    return isinstance(value, float)
