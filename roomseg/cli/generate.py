@@ -157,7 +157,7 @@ def _generate_many(seeds: range, wishes: Wishes, folder: Path, jobs: int) -> Non
         If no apartment was found for some of the seeds, or one that is there is another one.
     """
     from dataset import RoomsegError
-    from roomseg.cli.output import follow, progress_bar
+    from roomseg.cli.output import follow, progress_bar, tell
 
     todo = [item for item in _items(seeds, wishes, folder) if not _is_there(item[2])]
     done, failed = len(seeds) - len(todo), []
@@ -169,7 +169,7 @@ def _generate_many(seeds: range, wishes: Wishes, folder: Path, jobs: int) -> Non
             show(done, len(seeds))
             if problem is not None:
                 failed.append(problem)
-                bar.console.print(problem, markup=False, highlight=False, soft_wrap=True)
+                tell(bar, problem, err=True)
     if failed:
         raise RoomsegError(f"{folder}: {len(failed)} of {len(seeds)} could not be made")
     there = len(seeds) - len(todo)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import click
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -21,7 +23,7 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["counted", "follow", "progress_bar", "write_json", "write_table"]
+__all__ = ["counted", "follow", "progress_bar", "tell", "write_json", "write_table"]
 
 
 MOST_COLUMNS = 1000
@@ -70,7 +72,13 @@ def progress_bar(unit: str) -> Iterator[Progress]:
         TextColumn("left"),
     )
     # A long window: Blender's first frame of a map takes far longer than the others.
-    bar = Progress(*columns, console=Console(stderr=True), speed_estimate_period=120.0)
+    bar = Progress(
+        *columns,
+        console=Console(stderr=True),
+        speed_estimate_period=120.0,
+        # Else what is printed for a file would be shown above the bar instead.
+        redirect_stdout=sys.stdout.isatty(),
+    )
     bar.start()
     try:
         yield bar
@@ -96,6 +104,15 @@ def follow(bar: Progress, name: str) -> Callable[[int, int], None]:
         bar.update(task, total=total, completed=done)
 
     return show
+
+
+def tell(bar: Progress, line: str, *, err: bool = False) -> None:
+    """Print a line while bars are shown: above them if both go to one terminal."""
+    stream = sys.stderr if err else sys.stdout
+    if bar.console.is_terminal and stream.isatty():
+        bar.console.print(line, markup=False, highlight=False, emoji=False, soft_wrap=True)
+    else:
+        click.echo(line, err=err)
 
 
 def write_json(path: Path | None, figures: Any) -> None:

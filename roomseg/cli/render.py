@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from roomseg.cli.options import maps_argument
-from roomseg.cli.output import follow, progress_bar
+from roomseg.cli.output import follow, progress_bar, tell
 
 if TYPE_CHECKING:
     from render.cycles import Device
@@ -67,8 +67,8 @@ def command(
                 discard_frames(path)
             show = follow(bar, path.name)
 
-            def tell(device: str, path: Path = path) -> None:
-                click.echo(f"{path}: rendering on {device}", err=True)
+            def tell_device(device: str, path: Path = path) -> None:
+                tell(bar, f"{path}: rendering on {device}", err=True)
 
             count = render_map(
                 path,
@@ -76,7 +76,7 @@ def command(
                 limit=limit,
                 threads=threads,
                 device=device,
-                on_device=tell,
+                on_device=tell_device,
                 on_progress=show,
             )
-            click.echo(f"{path}: {count} new images")
+            tell(bar, f"{path}: {count} new images")

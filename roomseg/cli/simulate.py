@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from roomseg.cli.options import jobs_option, json_option, seed_option
-from roomseg.cli.output import counted, follow, progress_bar, write_json
+from roomseg.cli.output import counted, follow, progress_bar, tell, write_json
 from roomseg.cli.runs import Outcome, Run, attempt, lost, recognise, run_seed
 
 if TYPE_CHECKING:
@@ -201,16 +201,16 @@ def _clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
         show = follow(bar, title)
         show(before, before + len(runs))
 
-        def tell(nodes: int, seconds: float) -> None:
+        def show_nodes(nodes: int, seconds: float) -> None:
             name = f"{nodes} nodes, {seconds / 60:.0f} min"
             bar.update(bar.task_ids[0], description=name)
 
-        for done, outcome in enumerate(_outcomes(runs, jobs, tell), before + 1):
+        for done, outcome in enumerate(_outcomes(runs, jobs, show_nodes), before + 1):
             show(done, before + len(runs))
             if outcome.report is not None:
-                click.echo(f"{outcome.output}: {_line(outcome.report)}")
+                tell(bar, f"{outcome.output}: {_line(outcome.report)}")
             if outcome.trace is not None:
-                click.echo(outcome.trace, err=True)
+                tell(bar, outcome.trace, err=True)
             yield outcome
         bar.update(bar.task_ids[0], description=title)
 
