@@ -48,10 +48,11 @@ def coverage_progress(
     Raises
     ------
     SceneError
-        If the robot does not fit where the apartment says that it starts.
+        If the run does not begin where the robot fits.
     """
-    reachable = reachable_positions(apartment, radius, spacing)
     track = path.true_pose[:, :2]
+    begin = (float(track[0, 0]), float(track[0, 1]))
+    reachable = reachable_positions(apartment, radius, spacing, begin)
     rows = np.maximum(np.searchsorted(path.time, times, side="right"), 1)
     begins = np.maximum(np.r_[0, rows[:-1]] - 1, 0)
     # A piece of the track for each time, from where the last one ended.

@@ -57,6 +57,8 @@ def command(*, source: str, outputs: tuple[Path, ...], rerun: bool, **options: A
     its run as a Rerun recording.
     """
     if rerun:
+        if not Path(source).is_file():
+            raise click.UsageError(f"{source or 'MAP'}: no such file, expected a map for --rerun")
         outputs += (OutputFile().convert(Path(source).with_suffix(".rrd"), None, None),)
     if not outputs:
         raise click.UsageError("-o/--output: missing, expected what to write")

@@ -13,7 +13,7 @@ from cleaned_flat import cleaned_flat, fisheye_image, obstacles
 from dataset import write_map
 from roomseg.cli.main import main
 from roomseg.recording import recording_bytes
-from scenes import load_apartment
+from scenes import Start, load_apartment
 from simulator import coverage_report, simulate
 from simulator.progress import coverage_progress
 
@@ -152,6 +152,15 @@ def test_progress_ends_at_the_reported_coverage(sim4):
     assert share[-1] == pytest.approx(coverage_report(topomap, place).coverage, abs=1e-9)
 
 
+def test_progress_counts_from_where_the_run_began(sim4):
+    """Not from the apartment's start, where another robot may not even fit."""
+    place, topomap = sim4
+    times = topomap.path.time[-1:]
+    elsewhere = place.model_copy(update={"start": Start(position=place.walls[0].start)})
+    share = coverage_progress(topomap.path, elsewhere, times)
+    assert share == coverage_progress(topomap.path, place, times)
+
+
 @pytest.fixture
 def run_file(tmp_path):
     path = tmp_path / "run.h5"
@@ -184,3 +193,11 @@ def test_an_apartment_has_no_run(tmp_path, capsys):
 def test_something_must_be_asked_for(capsys):
     assert main(["export", "sim4"]) == 2
     assert "-o/--output: missing" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("source", ["", ".", "sim4", "nothing.h5"])
+def test_a_recording_is_put_beside_a_file_only(source, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", source, "--rerun"]) == 2
+    assert "no such file, expected a map for --rerun" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
