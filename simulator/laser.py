@@ -91,16 +91,20 @@ class SensorSpec:
         for name in _NOT_NEGATIVE:
             if not 0.0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: {getattr(self, name)}, expected >= 0")
-        if self.bearings_deg is not None and len(self.bearings_deg) != self.beams:
-            raise ValueError(
-                f"bearings_deg: {len(self.bearings_deg)} bearings, expected beams = {self.beams}"
-            )
-        if not np.isfinite(self.bearings_deg or ()).all():
-            raise ValueError(f"bearings_deg: {self.bearings_deg}, expected finite angles")
         if self.maximum_range > _FARTHEST:
             raise ValueError(
                 f"maximum_range: {self.maximum_range}, expected at most {_FARTHEST:g} m"
             )
+        if self.bearings_deg is not None:
+            self._check_bearings(self.bearings_deg)
+
+    def _check_bearings(self, bearings: tuple[float, ...]) -> None:
+        if len(bearings) != self.beams:
+            raise ValueError(
+                f"bearings_deg: {len(bearings)} bearings, expected beams = {self.beams}"
+            )
+        if not np.isfinite(bearings).all():
+            raise ValueError(f"bearings_deg: {bearings}, expected finite angles")
 
     def bearings(self) -> Floats:
         """Beam bearings from the robot's heading, rad, shape (beams,)."""
