@@ -259,9 +259,9 @@ def _check_settings(file: h5py.File, sound: Sound) -> Iterator[str]:
         for fault in _refusal(partial(decode_settings, file, name))
     ]
     yield from faults
-    robot = None if faults else decode_settings(file, "robot")
+    robot = {} if faults else decode_settings(file, "robot") or {}
     radius = file.attrs.get("robot_radius")
-    if robot is not None and robot.get("radius", radius) != radius:
+    if "radius" in robot and not np.array_equal(robot["radius"], radius):
         yield f"attribute radius of /robot: {robot['radius']}, expected robot_radius of /, {radius}"
 
 

@@ -181,6 +181,11 @@ CASES = {
         "attribute robot_radius of /: 0.0, expected > 0 m"
         "|attribute radius of /robot: 0.15, expected robot_radius of /, 0.0",
     ),
+    "robot with two sizes in one": (
+        attribute("/", "robot_radius", np.array([0.15, 0.2])),
+        "attribute robot_radius of /: [0.15 0.2 ], expected a number"
+        "|attribute radius of /robot: 0.15, expected robot_radius of /, [0.15 0.2 ]",
+    ),
     "robot of two sizes": (
         attribute("robot", "radius", 0.2),
         "attribute radius of /robot: 0.2, expected robot_radius of /, 0.15",
