@@ -147,8 +147,10 @@ class _Recorder:
         self.rr, self.stream, self.topomap = rr, stream, topomap
         nodes = topomap.nodes
         visits = topomap.visits
-        self.created = np.full(len(nodes), np.inf)
-        np.minimum.at(self.created, visits.node, visits.time)
+        created = np.full(len(nodes), np.inf)
+        np.minimum.at(created, visits.node, visits.time)
+        # What a real robot's log says no time of is there from the beginning.
+        self.created = np.where(np.isinf(created), 0.0, created)
         self.part_colours = _packed(room_colours(int(nodes.part.max(initial=0)) + 1))
 
     def add_sheets(self, points: Floats) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cleaned_flat import cleaned_flat, fisheye_image, obstacles
 
-from dataset import write_map
+from dataset import Visits, write_map
 from roomseg.cli.main import main
 from roomseg.recording import recording_bytes
 from scenes import Start, load_apartment
@@ -142,6 +142,13 @@ def test_a_real_robots_map_has_no_truth(read_back):
     recording, rows = read_back(cleaned_flat(real=True))
     assert not [name for name in entities(recording) if name.startswith("/scene/robot")]
     assert len(rows("map/robot/body", "Position2D")[0])
+
+
+def test_nodes_without_a_visit_are_there_from_the_beginning(read_back):
+    flat = cleaned_flat(real=True)
+    bare = replace(flat, visits=Visits(np.zeros(0, np.int32), np.zeros(0)))
+    times, _ = read_back(bare)[1]("map/nodes", "Position2D")
+    assert len(times) and not times.any()
 
 
 def test_progress_ends_at_the_reported_coverage(sim4):
