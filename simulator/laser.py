@@ -43,7 +43,7 @@ class SensorSpec:
     height : float
         Of the beams above the floor, m: what is lower or hangs higher is not seen.
     maximum_range : float
-        From the robot's centre, m.
+        From the robot's centre, m; at most 20.
     period : float
         Time between two measurements, s.
     range_noise, range_noise_quadratic : float

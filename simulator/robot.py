@@ -52,7 +52,7 @@ class RobotSpec:
     Attributes
     ----------
     radius, height : float
-        Of the body, m (§2).
+        Of the body, m (§2); a radius of at most 0.3.
     wheel_base, castor : float
         Distance between the wheels, and of the castor ahead of their axle, m.
     speed, turn_rate : float
