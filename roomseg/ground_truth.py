@@ -7,7 +7,8 @@ between two lines belong to no room by the lines alone and take the label that
 the clustering gives them.
 
 Nobody looks at thousands of generated maps, so we confirm by rule. Without the
-border edges the graph falls into pieces. Pieces of which at least half the nodes
+border edges the map falls into pieces; all its edges count, since of a lane between
+two lanes of an older part Algorithm 1 keeps the edges to one of them only. Pieces of which at least half the nodes
 touch a border edge are taken for strips within passages; the largest
 ``room_count`` pieces, strips last, are the rooms. Another piece that is no strip
 and has at least half of the smallest room's nodes is one room more than the
@@ -30,7 +31,7 @@ from dataset.errors import FormatError
 from dataset.topomap import GroundTruth, TopoMap
 from roomseg.preprocessing import MapGraph, preprocess
 from roomseg.segmentation import affinity_of
-from roomseg.spectral import first_node_order, spectral_clustering
+from roomseg.spectral import adjacency, first_node_order, spectral_clustering
 
 __all__ = ["BORDER_WEIGHT", "known_truth", "label_rooms"]
 
@@ -96,7 +97,7 @@ def _confirmed(
     topomap: TopoMap, graph: MapGraph, is_border: Flags, labels: Integers, rooms: int
 ) -> Integers:
     """Confirm the clustering's labels, or take the pieces'; see the module's text."""
-    piece, size = _pieces(graph, is_border)
+    piece, size = _pieces(topomap, graph, is_border)
     touching = np.bincount(piece[np.unique(graph.edges[is_border])], minlength=len(size))
     # A strip across a wide passage may have more nodes than a tiny room: strips come last.
     by_size = np.lexsort((-size, 2 * touching >= size))
@@ -118,13 +119,15 @@ def _confirmed(
     return _labels_of_pieces(graph, is_border, piece, by_size[:rooms])
 
 
-def _pieces(graph: MapGraph, is_border: Flags) -> tuple[Integers, Integers]:
+def _pieces(topomap: TopoMap, graph: MapGraph, is_border: Flags) -> tuple[Integers, Integers]:
     """Piece of each node without the border edges, shape (n,), and nodes of each piece.
 
     Parts of a map that no edge joins at all are joined as for the clustering.
     """
-    joined = affinity_of(graph, np.where(is_border, BORDER_WEIGHT, 1.0))
-    piece = connected_components(joined > BORDER_WEIGHT, directed=False)[1].astype(np.int64)
+    inner = topomap.edges[~known_truth(topomap).edge_is_border].astype(np.int64)
+    joined = affinity_of(graph, np.where(is_border, BORDER_WEIGHT, 1.0)) > BORDER_WEIGHT
+    joined = joined + adjacency(graph.node_count, inner, np.ones(len(inner)))
+    piece = connected_components(joined, directed=False)[1].astype(np.int64)
     return piece, np.bincount(piece)
 
 

@@ -160,3 +160,18 @@ def test_map_without_ground_truth() -> None:
         known_truth(topomap)
     with pytest.raises(FormatError, match="annotate the map first"):
         label_rooms(topomap)
+
+
+def test_a_lane_between_two_of_an_older_part_joins_them():
+    """Algorithm 1 leaves it the edges to the nearer one only: within a room, the map is cut."""
+    topomap = rows_map((1.95,), 2)
+    position = topomap.nodes.position.copy()
+    second = np.arange(40, 80)
+    # In the left room its nodes are nearer to the lane below, in the right to the one above.
+    position[second, 1] += np.where(position[second, 0] < 1.95, -0.01, 0.01)
+    part = np.repeat([0, 1, 0, 0], 40)
+    lane = np.repeat([0, 9, 2, 3], 40)
+    nodes = Nodes(position, topomap.nodes.heading, part, lane)
+    topomap = replace(topomap, nodes=nodes)
+    assert len(np.unique(pieces(topomap))) == 4
+    assert labels_of(topomap).tolist() == (position[:, 0] > 1.95).astype(int).tolist()
