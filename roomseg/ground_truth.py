@@ -8,8 +8,8 @@ the clustering gives them.
 
 Nobody looks at thousands of generated maps, so we confirm by rule. Without the
 border edges the map falls into pieces; all its edges count, since of a lane between
-two lanes of an older part Algorithm 1 keeps the edges to one of them only. Pieces of which at least half the nodes
-touch a border edge are taken for strips within passages; the largest
+two lanes of an older part Algorithm 1 keeps the edges to one of them only. Pieces of
+which at least half the nodes touch a border edge are taken for strips within passages; the largest
 ``room_count`` pieces, strips last, are the rooms. Another piece that is no strip
 and has at least half of the smallest room's nodes is one room more than the
 operator counted: then the lines or the count are wrong, and that is an error.
