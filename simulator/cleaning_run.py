@@ -22,6 +22,7 @@ from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
 from simulator.spec_file import settings_of
+from simulator.start import base_pose
 from simulator.surfaces import floor_covers, seen_surfaces
 from simulator.vehicle import Vehicle
 from simulator.world import World
@@ -82,7 +83,7 @@ def simulate(
         floor_covers(apartment),
         maximum_range=sensor.maximum_range,
     )
-    pose = _start_pose(apartment, start)
+    pose = np.array(base_pose(apartment, robot) if start is None else start, dtype=np.float64)
     if not floor_region(apartment).covers(shapely.Point(pose[:2])):
         raise RoomsegError(
             f"{apartment.name}: start.position ({pose[0]:g}, {pose[1]:g}) lies outside the rooms, "
@@ -97,13 +98,6 @@ def simulate(
     CoverageStrategy(vehicle, progress).run()
     topomap = _as_map(apartment, vehicle, run=run, seed=seed, created=created)
     return replace(topomap, camera=replace(camera, height=sensor.camera_height))
-
-
-def _start_pose(apartment: Apartment, start: tuple[float, float, float] | None) -> Floats:
-    if start is not None:
-        return np.array(start, dtype=np.float64)
-    base = apartment.start
-    return np.array([*base.position, np.radians(base.heading_deg)])
 
 
 def _as_map(

@@ -18,6 +18,13 @@ SHOWN = ("run", "floor", "obstacles", "edges", "graph", "width", "truth", "rooms
 """Figs. 3, 17, 16, 4, 5, 7, 22 (truth and result) and 18 of the paper."""
 ASKED = ("floor", "edges", "width")
 """Drawn only when they are asked for."""
+HOW = {
+    "rooms": "roomseg segment finds them",
+    "images": "roomseg render makes them",
+    "truth": "it has no rooms in its ground truth",
+    "width": "no edge has obstacle points on both sides",
+}
+"""Why something may be missing, and what would add it."""
 IMAGE_COUNT = 4
 
 Panel = Callable[[Any], None]
@@ -31,7 +38,9 @@ def map_panels(file: MapFile, show: tuple[str, ...]) -> list[Panel]:
     available = _available(file)
     for name in show:
         if name not in available:
-            raise RoomsegError(f"{file.path}: has no {name} to draw, only {', '.join(available)}")
+            hint = f" ({HOW[name]})" if name in HOW else ""
+            known = ", ".join(available)
+            raise RoomsegError(f"{file.path}: has no {name} to draw{hint}, only {known}")
     usual = [name for name in available if name not in ASKED]
     return [panel for name in (show or usual) for panel in available[name]]
 

@@ -60,7 +60,8 @@ Example:
     "--robot",
     "robot_file",
     type=click.Path(path_type=Path),
-    help="Another robot, TOML: what differs from the paper's; see docs/robot.md.",
+    help="Another robot, TOML: what differs from the paper's; see docs/robot.md. One too "
+    "large for the base begins beside it.",
 )
 @jobs_option
 @click.option(

@@ -33,7 +33,8 @@ Example:
     "--show",
     multiple=True,
     type=click.Choice(SHOWN),
-    help="What to draw of a map; may be repeated. All that it has if absent.",
+    help="What to draw of a map; may be repeated. If absent, all that it has but floor, edges "
+    "and width.",
 )
 @click.option(
     "--cutaway",
@@ -69,7 +70,7 @@ def command(
 ) -> None:
     """Draw a map, or the plan of an apartment, or its cut-away picture.
 
-    A map is drawn by its run, graph, rooms and some images. An apartment is a
+    A map is drawn by its run, obstacle points, graph, rooms and some images. An apartment is a
     file or the name of a reference place; --cutaway shows the one a map was
     recorded in, too.
     """
@@ -126,7 +127,8 @@ def _draw_map(source: Path, show: tuple[str, ...]) -> Any:
 
     with MapFile(source) as file:
         panels = map_panels(file, show)
-        columns = min(3, len(panels))
+        # Four make a square rather than a row and a rest.
+        columns = 2 if len(panels) == 4 else min(3, len(panels))
         rows = -(-len(panels) // columns)
         # One alone has the page for itself.
         scale = 1.5 if len(panels) == 1 else 1.0

@@ -64,12 +64,13 @@ def add_map_legend(figure: Figure) -> None:
     rooms = [found for found in drawn if str(found.get_gid()).startswith("room-")]
     names |= {"room"} if rooms else set()
     names |= {"wrong"} if any(max(room.get_linewidths()) == WRONG_RING for room in rooms) else set()
-    entries = [sign for name, sign in _signs().items() if name in names]
+    # Points in the robot's map and beside a passage are two kinds of artist with one sign.
+    entries = dict(sign for name, sign in _signs().items() if name in names)
     if entries:
         width = figure.get_size_inches()[0]
         figure.legend(
-            [handle for _, handle in entries],
-            [text for text, _ in entries],
+            list(entries.values()),
+            list(entries),
             loc="outside lower left",
             ncol=max(1, min(len(entries), int(width / 1.9))),
             frameon=False,

@@ -245,7 +245,9 @@ def test_maps_without_scene_cannot_be_rendered(folder, capsys):
 
 def test_view_of_what_is_not_there(folder, capsys):
     line = refused(capsys, "view", "flat.h5", "-o", "a.png", "--show", "rooms")
-    assert line.startswith("flat.h5: has no rooms to draw, only run, obstacles, edges, graph, ")
+    assert line.startswith(
+        "flat.h5: has no rooms to draw (roomseg segment finds them), only run, obstacles, edges, "
+    )
     line = refused(capsys, "view", "demo9", "-o", "a.png")
     assert line.startswith("demo9: no such file, nor a reference place (demo1,")
     line = refused(capsys, "view", "demo1", "-o", "a.png", "--show", "run")
