@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 _SECOND_CHANCES = 30
 """So often in a run a place is not given up because the robot was stuck on its way."""
 
-_ROUNDS = 1
+_ROUNDS = 3
 """So often in a run all places that were not reached are tried again."""
 _BETWEEN_BEAMS = 0.1
 """When nothing else is left, floor that narrow between two beams counts as seen, too, m."""
@@ -246,6 +246,7 @@ class CoverageStrategy:
         self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
         if self._rounds > 0:
             self._rounds -= 1
+            self.lanes.forgotten.clear()
             for plan in (self._usual, self._bold):
                 plan.unreached.clear()
 
