@@ -275,7 +275,7 @@ class _Recorder:
     def _add_beams(self, time: Floats, pose: Floats) -> None:
         """From the robot to what it sees just now; nothing where it sees nothing."""
         rr, seen = self.rr, self.topomap.obstacles
-        if not len(seen.time):
+        if not len(seen.time) or not len(time):
             return
         order = np.argsort(seen.time, kind="stable")
         when, counts = np.unique(seen.time, return_counts=True)
