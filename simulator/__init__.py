@@ -6,7 +6,7 @@ from simulator.reference_set import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS, Refere
 from simulator.report import CoverageReport, coverage_report
 from simulator.robot import RobotSpec
 from simulator.spec_file import read_specs, settings_of
-from simulator.start import random_start
+from simulator.start import base_pose, random_start
 
 __all__ = [
     "NEW_RUNS",
@@ -16,6 +16,7 @@ __all__ = [
     "ReferenceRun",
     "RobotSpec",
     "SensorSpec",
+    "base_pose",
     "coverage_report",
     "random_start",
     "read_specs",

@@ -147,10 +147,12 @@ def _simulate(run: Run, show: Show | None) -> CoverageReport:
     return report
 
 
-def _start(run: Run, place: Apartment) -> tuple[float, float, float] | None:
-    """The pose to begin at; None for the apartment's own."""
-    from simulator import random_start
+def _start(run: Run, place: Apartment) -> tuple[float, float, float]:
+    """The pose to begin at."""
+    from simulator import base_pose, random_start
 
+    if run.start is None:
+        return base_pose(place, run.robot)
     if run.start != "random":
         return run.start
     return random_start(place, run.robot, np.random.default_rng([run.seed, 1]))
@@ -167,7 +169,7 @@ def _check_same(run: Run, topomap: TopoMap, place: Apartment) -> None:
     from dataset import RoomsegError
     from simulator import settings_of
 
-    x, y, _ = _start(run, place) or (*place.start.position, 0.0)
+    x, y, _ = _start(run, place)
     begin = None if topomap.path is None else topomap.path.true_pose[0]
     same = {
         "apartment": topomap.scene == place.model_dump_json(),

@@ -191,6 +191,16 @@ def test_apartments_of_one_name_are_refused(folder, capsys):
     assert not Path("maps").exists()
 
 
+def test_a_robot_that_begins_beside_the_base_goes_on(folder, capsys):
+    Path("wide.toml").write_text("[robot]\nradius = 0.2\n")
+    home = write_rooms(start={"position": [0.5, 0.16]})
+    succeed("simulate", home, "--robot", "wide.toml")
+    begin = read_map("two-run1.h5").path.true_pose[0, :2]
+    assert begin == pytest.approx([0.5, 0.201], abs=1e-3)
+    succeed("simulate", home, "--robot", "wide.toml")
+    assert "two-run1.h5: already there" in capsys.readouterr().out
+
+
 def test_random_starts_are_reachable_and_repeatable(folder, capsys):
     write_rooms()
     arguments = ("simulate", "two.json", "--runs", "3", "--random-starts")
