@@ -96,12 +96,18 @@ def simulate(
         )
     vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
     CoverageStrategy(vehicle, progress).run()
-    topomap = _as_map(apartment, vehicle, run=run, seed=seed, created=created)
-    return replace(topomap, camera=replace(camera, height=sensor.camera_height))
+    camera = replace(camera, height=sensor.camera_height)
+    return _as_map(apartment, vehicle, camera, run=run, seed=seed, created=created)
 
 
 def _as_map(
-    apartment: Apartment, vehicle: Vehicle, *, run: str, seed: int, created: str
+    apartment: Apartment,
+    vehicle: Vehicle,
+    camera: FisheyeCamera,
+    *,
+    run: str,
+    seed: int,
+    created: str,
 ) -> TopoMap:
     graph = vehicle.graph
     edges = np.unique(graph.edges, axis=0)
@@ -130,6 +136,7 @@ def _as_map(
         robot_radius=vehicle.robot.radius,
         path=vehicle.path(),
         ground_truth=_ground_truth(apartment, truth[:, :2], edges),
+        camera=camera,
         scene=apartment.model_dump_json(),
         robot=settings_of(vehicle.robot),
         sensor=settings_of(vehicle.sensor),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from dataset.topomap import Path
 from scenes.apartment import Apartment
-from scenes.passages import reachable_positions
+from simulator.report import reachable_from, track_line
 
 __all__ = ["coverage_progress"]
 
@@ -51,12 +51,11 @@ def coverage_progress(
         If the run does not begin where the robot fits.
     """
     track = path.true_pose[:, :2]
-    begin = (float(track[0, 0]), float(track[0, 1]))
-    reachable = reachable_positions(apartment, radius, spacing, begin)
+    reachable = reachable_from(track, apartment, radius, spacing)
     rows = np.maximum(np.searchsorted(path.time, times, side="right"), 1)
     begins = np.maximum(np.r_[0, rows[:-1]] - 1, 0)
     # A piece of the track for each time, from where the last one ended.
-    pieces = [_line(track[begin:end]) for begin, end in zip(begins, rows, strict=True)]
+    pieces = [track_line(track[begin:end]) for begin, end in zip(begins, rows, strict=True)]
     tree = shapely.STRtree(shapely.points(reachable))
     piece, point = tree.query(pieces, predicate="dwithin", distance=near)
     first = np.full(len(reachable), len(times))
@@ -64,7 +63,3 @@ def coverage_progress(
     counts = np.bincount(first, minlength=len(times) + 1)[: len(times)]
     share: Floats = np.cumsum(counts) / len(reachable)
     return share
-
-
-def _line(track: Floats) -> shapely.Geometry:
-    return shapely.linestrings(track) if len(track) > 1 else shapely.Point(track[0])

@@ -18,7 +18,7 @@ from scenes.apartment import Apartment
 from scenes.passages import reachable_positions
 from scenes.solids import floor_area
 
-__all__ = ["CoverageReport", "coverage_report"]
+__all__ = ["CoverageReport", "coverage_report", "reachable_from", "track_line"]
 
 Floats = NDArray[np.float64]
 
@@ -109,8 +109,7 @@ def coverage_report(
     steps = np.hypot(*np.diff(track, axis=0).T)
     turned = np.diff(np.unwrap(path.true_pose[:, 2]))
     area = floor_area(apartment)
-    begin = (float(track[0, 0]), float(track[0, 1]))
-    reachable = reachable_positions(apartment, topomap.robot_radius, spacing, begin)
+    reachable = reachable_from(track, apartment, topomap.robot_radius, spacing)
     return CoverageReport(
         nodes=len(topomap.nodes),
         nodes_per_m2=len(topomap.nodes) / area,
@@ -127,8 +126,19 @@ def coverage_report(
     )
 
 
+def reachable_from(track: Floats, apartment: Apartment, radius: float, spacing: float) -> Floats:
+    """Grid points (p, 2), m, that the robot can reach from where a driven path (t, 2) begins."""
+    begin = (float(track[0, 0]), float(track[0, 1]))
+    return reachable_positions(apartment, radius, spacing, begin)
+
+
+def track_line(track: Floats) -> shapely.Geometry:
+    """A driven path (t, 2), m, as a line; of one place a point."""
+    return shapely.linestrings(track) if len(track) > 1 else shapely.Point(track[0])
+
+
 def _coverage(track: Floats, reachable: Floats, near: float) -> float:
-    line = shapely.linestrings(track) if len(track) > 1 else shapely.Point(track[0])
+    line = track_line(track)
     shapely.prepare(line)
     return float(shapely.dwithin(line, shapely.points(reachable), near).mean())
 
