@@ -1,8 +1,9 @@
 """What a map is: arrays, the camera model, and the HDF5 map file."""
 
 from dataset.borders import crosses_border
-from dataset.camera import REAL_CAMERA, SIMULATED_CAMERA, FisheyeCamera
+from dataset.camera import REAL_CAMERA, SIMULATED_CAMERA, CameraFlaws, FisheyeCamera
 from dataset.errors import FormatError, RoomsegError
+from dataset.frames import Radiance
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
 from dataset.storage import MapFile, Rooms, read_map, write_map, write_rooms
@@ -12,6 +13,7 @@ from dataset.validation import problems
 __all__ = [
     "REAL_CAMERA",
     "SIMULATED_CAMERA",
+    "CameraFlaws",
     "FisheyeCamera",
     "FormatError",
     "FrameJournal",
@@ -20,6 +22,7 @@ __all__ = [
     "Nodes",
     "Obstacles",
     "Path",
+    "Radiance",
     "Rooms",
     "RoomsegError",
     "Settings",

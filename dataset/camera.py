@@ -15,12 +15,51 @@ is left of the robot (azimuth +90°) appears at the *bottom* (+row).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["REAL_CAMERA", "SIMULATED_CAMERA", "FisheyeCamera"]
+__all__ = ["REAL_CAMERA", "SIMULATED_CAMERA", "CameraFlaws", "FisheyeCamera"]
+
+
+@dataclass(frozen=True)
+class CameraFlaws:
+    """What a real camera does to the light, beyond the projection; nothing by default.
+
+    Attributes
+    ----------
+    vignetting : float
+        Share of the light that is lost at the rim of the disc, 0..1; the loss grows
+        with the square of the zenith angle.
+    blur : float
+        Standard deviation of the lens's blur, px.
+    full_well : float
+        Electrons of a pixel at grey level 255; their number has shot noise. At 0 no
+        electrons are counted, and there is no noise.
+    read_noise : float
+        Standard deviation of the noise of reading a pixel out, electrons.
+    """
+
+    vignetting: float = 0.0
+    blur: float = 0.0
+    full_well: float = 0.0
+    read_noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        for setting in fields(self):
+            value = getattr(self, setting.name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise ValueError(f"{setting.name}: {value}, expected a finite number >= 0")
+        if self.vignetting > 1.0:
+            raise ValueError(f"vignetting: {self.vignetting}, expected 0..1")
+        if self.read_noise > 0.0 and self.full_well == 0.0:
+            raise ValueError(
+                f"read_noise: {self.read_noise} electrons without full_well, "
+                "the electrons of grey level 255"
+            )
 
 
 @dataclass(frozen=True)
@@ -39,6 +78,8 @@ class FisheyeCamera:
         (row, column) of the optical axis, px; integer + 0.5 is a pixel centre.
     height : float
         Height of the lens above the floor, m.
+    flaws : CameraFlaws
+        None by default.
     """
 
     field_of_view: float = float(np.radians(190.0))
@@ -46,6 +87,7 @@ class FisheyeCamera:
     image_size: tuple[int, int] = (464, 464)
     disc_centre: tuple[float, float] = (232.0, 232.0)
     height: float = 0.10
+    flaws: CameraFlaws = CameraFlaws()
 
     def __post_init__(self) -> None:
         if not 0.0 < self.field_of_view <= 2.0 * np.pi:
@@ -54,19 +96,41 @@ class FisheyeCamera:
             raise ValueError(f"disc_diameter: {self.disc_diameter}, expected > 0 px")
         if min(self.image_size) < 1:
             raise ValueError(f"image_size: {self.image_size}, expected at least (1, 1) px")
+        if not all(0.0 <= c <= s for c, s in zip(self.disc_centre, self.image_size, strict=True)):
+            raise ValueError(
+                f"disc_centre: {self.disc_centre}, expected (row, column) in the image, "
+                f"{self.image_size} px"
+            )
         if not self.height > 0.0:
             raise ValueError(f"height: {self.height}, expected > 0 m")
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> FisheyeCamera:
+        """The camera whose `dataclasses.asdict` went through JSON."""
+        given = dict(values)
+        for name in ("image_size", "disc_centre"):
+            given[name] = tuple(given[name])
+        return cls(**given | {"flaws": CameraFlaws(**given.get("flaws", {}))})
 
     @property
     def pixels_per_radian(self) -> float:
         """Radius on the image per zenith angle, px/rad."""
         return self.disc_diameter / self.field_of_view
 
+    def averaging_mask(self, side: int = 7) -> int:
+        """Side of a mask, px, odd, that is ``side`` in the simulated camera (§2.2.4)."""
+        scale = self.pixels_per_radian / SIMULATED_CAMERA.pixels_per_radian
+        return max(1, 2 * round((side * scale - 1) / 2) + 1)
+
     def resized(self, disc_diameter: int) -> FisheyeCamera:
         """The same lens with another, tightly cropped disc of that many pixels."""
         size = int(disc_diameter)
-        return FisheyeCamera(
-            self.field_of_view, float(size), (size, size), (size / 2, size / 2), self.height
+        return replace(
+            self,
+            disc_diameter=float(size),
+            image_size=(size, size),
+            disc_centre=(size / 2, size / 2),
+            flaws=replace(self.flaws, blur=self.flaws.blur * size / self.disc_diameter),
         )
 
     def project(
@@ -118,6 +182,14 @@ class FisheyeCamera:
         grid_azimuth, grid_elevation = np.meshgrid(azimuth, elevation)
         points = self.project(grid_azimuth, np.pi / 2 - grid_elevation) - 0.5
         return points[..., 1].astype(np.float32), points[..., 0].astype(np.float32)
+
+    def shows(self, map_x: NDArray[np.float32], map_y: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Which of the points of `panorama_map` lie in the disc and in the image."""
+        points = np.stack([map_y, map_x], axis=-1) + 0.5
+        _, zenith = self.unproject(points)
+        inside = ((points >= 0.0) & (points <= self.image_size)).all(axis=-1)
+        shown: NDArray[np.bool_] = inside & (zenith <= 0.5 * self.field_of_view)
+        return shown
 
 
 SIMULATED_CAMERA = FisheyeCamera()

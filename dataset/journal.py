@@ -14,8 +14,7 @@ journal. Whatever instant it dies at:
 
 The journal begins with one line of JSON that names the map, the camera and the
 preset of its frames, so that frames of two cameras, two presets or two maps
-never mix. A record is ``(length u4, node u4, gain f8, checksum u4)``, little
-endian, and ``length`` bytes: the deflated pixels exactly as HDF5 stores a chunk.
+never mix. The records that follow are those of `dataset.records`.
 """
 
 from __future__ import annotations
@@ -24,41 +23,41 @@ import hashlib
 import heapq
 import json
 import os
-import struct
 import zlib
-from collections.abc import Iterator, Set
+from collections.abc import Callable, Iterable, Iterator, Set
 from contextlib import ExitStack, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from dataset.atomic import force_to_disk, locked, remove_leftovers, replacing, unwritten
 from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
+from dataset.frames import (
+    Frame,
+    Radiance,
+    pack_image,
+    pack_radiance,
+    put_images,
+    stored_frames,
+    unpack_radiance,
+)
 from dataset.layout import decode_camera, encode_camera
-from dataset.storage import Frame, MapFile, pack_image, put_images, rewriting, stored_frames
+from dataset.records import RECORD, Entry, packed, records, seal, unpacked
+from dataset.storage import OWN_CAMERA, MapFile, rewriting
 from dataset.topomap import TopoMap
 
 __all__ = ["FrameJournal", "discard_frames", "journal_path"]
 
 MAGIC = b"roomseg-frames 1 "
-RECORD = struct.Struct("<IIdI")
 LONGEST_HEADER = 65536
-OWN_CAMERA = "own_camera"
-"""Keeps the camera that a map had before frames of a smaller one were packed into it."""
-
-
-@dataclass(frozen=True)
-class _Entry:
-    """Where a frame's deflated pixels lie in the journal."""
-
-    offset: int
-    length: int
-    gain: float
+Expose = Callable[[int, NDArray[np.float32]], tuple[NDArray[np.uint8], float]]
+"""From a node and its radiance to its image and exposure gain."""
 
 
 def journal_path(path: str | Path) -> Path:
@@ -87,18 +86,25 @@ class FrameJournal:
         If it differs, packing makes it the map's camera.
     preset : str
         Name of the render settings; empty if they do not matter.
+    keep_radiance : bool
+        Keep the radiance of every image, too. A map that does goes on to do so.
 
     Raises
     ------
     FormatError
         If the map is unreadable, or it or its journal already holds frames of
-        another camera, preset or map.
+        another camera, preset or map, or without the radiance that is to be kept.
     RoomsegError
         If another process is writing to the map.
     """
 
     def __init__(
-        self, path: str | Path, camera: FisheyeCamera | None = None, preset: str = ""
+        self,
+        path: str | Path,
+        camera: FisheyeCamera | None = None,
+        preset: str = "",
+        *,
+        keep_radiance: bool = False,
     ) -> None:
         self.path = Path(path)
         self._journal = journal_path(path)
@@ -106,6 +112,7 @@ class FrameJournal:
         with MapFile(self.path) as file:
             self.camera = camera or file.topomap.camera
         self.preset = preset
+        self.keeps_radiance = keep_radiance
         with ExitStack() as stack:
             stack.enter_context(locked(self.path))
             remove_leftovers(self.path)
@@ -138,7 +145,13 @@ class FrameJournal:
         """Nodes whose frame is safe, in the map or in the journal; grows with `append`."""
         return self._done
 
-    def append(self, index: int, image: NDArray[np.uint8], gain: float) -> None:
+    def append(
+        self,
+        index: int,
+        image: NDArray[np.uint8],
+        gain: float,
+        radiance: Radiance | None = None,
+    ) -> None:
         """Keep a finished frame; when this returns, it survives a crash.
 
         Parameters
@@ -148,6 +161,8 @@ class FrameJournal:
         image : array, shape ``camera.image_size``, uint8
         gain : float
             Exposure gain a.
+        radiance : Radiance, optional
+            Heeded if this journal keeps it, and missed.
 
         Raises
         ------
@@ -160,18 +175,31 @@ class FrameJournal:
             raise FormatError(f"{self.path}: node {index}, expected 0..{self._node_count - 1}")
         if not (np.isfinite(gain) and gain > 0.0):
             raise FormatError(f"{self.path}: gain {gain} of node {index}, expected a number > 0")
-        data = pack_image(image, self.camera.image_size)
+        data = self._packed_frame(index, image, gain, radiance)
         stream = self._open_stream()
         start = stream.seek(0, os.SEEK_END)
         try:
-            stream.write(_seal(index, data, gain) + data)
+            stream.write(seal(index, data, gain) + data)
             stream.flush()
             os.fsync(stream.fileno())
         except OSError as error:
             self._drop_stream(start)
             raise unwritten(f"{self.path}.frames", error) from error
-        self._entries[index] = _Entry(start + RECORD.size, len(data), gain)
+        self._entries[index] = Entry(start + RECORD.size, len(data), gain)
         self._done.add(index)
+
+    def _packed_frame(
+        self, index: int, image: NDArray[np.uint8], gain: float, radiance: Radiance | None
+    ) -> bytes:
+        """What stands behind the head of a record."""
+        size = self.camera.image_size
+        frame = Frame(index, pack_image(image, size), gain)
+        if not self.keeps_radiance:
+            return frame.pixels
+        if radiance is None:
+            raise FormatError(f"{self.path}: keeps radiance, but node {index} has none")
+        light = pack_radiance(radiance, size)
+        return packed(replace(frame, radiance=light, exponent=radiance.exponent))
 
     def pack(self) -> int:
         """Merge the journal into the map and remove it.
@@ -192,21 +220,65 @@ class FrameJournal:
         self._entries = {}
         return count
 
+    def expose(self, camera: FisheyeCamera, expose: Expose) -> int:
+        """Make the map's images anew from the radiance that it keeps.
+
+        Parameters
+        ----------
+        camera : FisheyeCamera
+            The map's, but perhaps with other flaws.
+        expose : callable
+            From (node, radiance (h, w) float32) to (image (h, w) uint8, gain).
+
+        Returns
+        -------
+        int
+            How many images there are.
+
+        Raises
+        ------
+        FormatError
+            If the map keeps no radiance.
+        """
+        self.pack()
+        if not self.keeps_radiance:
+            raise FormatError(
+                f"{self.path}: /images/radiance: missing, expected images of "
+                f"`roomseg render --hdr {self.path}`"
+            )
+        self.camera = camera
+        with rewriting(self.path, without=["images", "camera"]) as (source, target):
+            frames = (_exposed(frame, expose, camera) for frame in stored_frames(source))
+            self._put(source, target, frames)
+        return len(self._done)
+
     def _merge(self) -> None:
         with rewriting(self.path, without=["images", "camera"]) as (source, target):
-            old = (frame for frame in stored_frames(source) if frame[0] not in self._entries)
+            old = (frame for frame in stored_frames(source) if frame.index not in self._entries)
             # Sorted by node, so that the bytes do not depend on who finished first.
-            frames = heapq.merge(old, self._frames(), key=lambda frame: frame[0])
-            if decode_camera(source) != self.camera and OWN_CAMERA not in source:
-                source.copy("camera", target, name=OWN_CAMERA)
-            encode_camera(target, self.camera)
-            put_images(target, frames, self._node_count, self.camera.image_size, self.preset)
+            frames = heapq.merge(old, self._frames(), key=lambda frame: frame.index)
+            self._put(source, target, frames)
+
+    def _put(self, source: h5py.File, target: h5py.File, frames: Iterable[Frame]) -> None:
+        """Write camera and images into the new file."""
+        if decode_camera(source) != self.camera and OWN_CAMERA not in source:
+            source.copy("camera", target, name=OWN_CAMERA)
+        encode_camera(target, self.camera)
+        put_images(
+            target,
+            frames,
+            self._node_count,
+            self.camera.image_size,
+            self.preset,
+            keep_radiance=self.keeps_radiance,
+        )
 
     def _frames(self) -> Iterator[Frame]:
         with self._journal.open("rb") as stream:
             for index, entry in sorted(self._entries.items()):
                 stream.seek(entry.offset)
-                yield index, stream.read(entry.length), entry.gain
+                data = stream.read(entry.length)
+                yield unpacked(index, entry.gain, data, with_radiance=self.keeps_radiance)
 
     def _read_map(self) -> None:
         with MapFile(self.path) as file:
@@ -215,9 +287,9 @@ class FrameJournal:
             self._packed = set(np.flatnonzero(done).tolist())
             self._fingerprint = _fingerprint(topomap)
             if self._packed:
-                self._match(self.path, topomap.camera, file.preset)
+                self._match(self.path, topomap.camera, file.preset, file.keeps_radiance)
 
-    def _match(self, path: Path, camera: FisheyeCamera, preset: str) -> None:
+    def _match(self, path: Path, camera: FisheyeCamera, preset: str, radiance: bool) -> None:
         """Refuse to mix frames of two cameras or presets; adopt a preset if none was given."""
         if camera != self.camera:
             raise FormatError(
@@ -231,13 +303,20 @@ class FrameJournal:
                 f"{path}: holds frames of preset {preset!r}, not {self.preset!r}: use the same "
                 "preset, or start its images again (--force)"
             )
+        if self.keeps_radiance and not radiance:
+            raise FormatError(
+                f"{path}: holds frames without radiance: go on without --hdr, or start its "
+                "images again (--force)"
+            )
         self.preset = self.preset or preset
+        self.keeps_radiance = radiance
 
     def _header(self) -> bytes:
         fields = {
             "map": self._fingerprint,
             "camera": asdict(self.camera),
             "preset": self.preset,
+            "radiance": self.keeps_radiance,
         }
         text = json.dumps(fields, sort_keys=True).encode()
         return MAGIC + b"%08x " % zlib.crc32(text) + text + b"\n"
@@ -262,12 +341,12 @@ class FrameJournal:
         else:
             self._journal.unlink()
 
-    def _read_journal(self) -> dict[int, _Entry]:
+    def _read_journal(self) -> dict[int, Entry]:
         with self._journal.open("r+b") as stream:
             self._check_header(stream.readline(LONGEST_HEADER))
-            entries: dict[int, _Entry] = {}
+            entries: dict[int, Entry] = {}
             end = stream.tell()
-            for index, entry in _records(stream):
+            for index, entry in records(stream):
                 if not 0 <= index < self._node_count:
                     break
                 entries[index] = entry
@@ -285,27 +364,15 @@ class FrameJournal:
             raise FormatError(
                 f"{self._journal}: holds frames of another map than {self.path.name}, remove it"
             )
-        fields = header["camera"]
-        fields["image_size"] = tuple(fields["image_size"])
-        fields["disc_centre"] = tuple(fields["disc_centre"])
-        self._match(self._journal, FisheyeCamera(**fields), header["preset"])
+        camera, radiance = FisheyeCamera.of(header["camera"]), bool(header.get("radiance"))
+        self._match(self._journal, camera, header["preset"], radiance)
 
 
-def _seal(index: int, data: bytes, gain: float) -> bytes:
-    """Make the head of a record, with the checksum of head and data."""
-    plain = RECORD.pack(len(data), index, gain, 0)
-    return RECORD.pack(len(data), index, gain, zlib.crc32(data, zlib.crc32(plain)))
-
-
-def _records(stream: BinaryIO) -> Iterator[tuple[int, _Entry]]:
-    """Yield whole records from here on; stop at the first that is cut off or damaged."""
-    while len(head := stream.read(RECORD.size)) == RECORD.size:
-        length, index, gain, _ = RECORD.unpack(head)
-        offset = stream.tell()
-        data = stream.read(length)
-        if len(data) != length or _seal(index, data, gain) != head:
-            return
-        yield index, _Entry(offset, length, gain)
+def _exposed(frame: Frame, expose: Expose, camera: FisheyeCamera) -> Frame:
+    """The same frame with an image made anew."""
+    radiance = unpack_radiance(frame.radiance, frame.exponent, camera.image_size)
+    image, gain = expose(frame.index, radiance.light)
+    return replace(frame, pixels=pack_image(image, camera.image_size), gain=gain)
 
 
 def discard_frames(path: str | Path) -> None:

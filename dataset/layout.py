@@ -6,13 +6,14 @@ the groups. Encoding takes no time stamps, so that equal maps give equal bytes.
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.camera import FisheyeCamera
+from dataset.camera import CameraFlaws, FisheyeCamera
 from dataset.errors import FormatError
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 
@@ -26,6 +27,7 @@ VISIT = np.dtype([("node", "<i4"), ("time", "<f8")])
 CAMERA_MODEL = "equidistant"
 SETTINGS_UNITS = "SI units; angles rad, but degrees where a name ends in _deg"
 CAMERA_UNITS = "field_of_view: rad; disc_centre, disc_diameter, image_size: px; height: m"
+FLAWS_UNITS = "vignetting: share; blur: px; full_well, read_noise: electrons"
 
 
 def encode_map(file: h5py.File, topomap: TopoMap) -> None:
@@ -104,6 +106,10 @@ def encode_camera(file: h5py.File, camera: FisheyeCamera) -> None:
     attributes["image_size"] = np.asarray(camera.image_size, "<i4")
     attributes["height"] = float(camera.height)
     attributes["unit"] = CAMERA_UNITS
+    if camera.flaws != CameraFlaws():
+        attributes["unit"] = f"{CAMERA_UNITS}; {FLAWS_UNITS}"
+        for name, value in asdict(camera.flaws).items():
+            attributes[name] = float(value)
 
 
 def _encode_settings(group: h5py.Group, settings: Settings) -> None:
@@ -239,14 +245,14 @@ def _decode_scene(file: h5py.File) -> str:
     return text.decode("utf-8")
 
 
-def decode_camera(file: h5py.File) -> FisheyeCamera:
+def decode_camera(file: h5py.File, name: str = "camera") -> FisheyeCamera:
     """Read ``/camera``; FormatError if it is missing or no camera."""
-    group = file.get("camera")
+    group = file.get(name)
     if not isinstance(group, h5py.Group):
-        raise FormatError("/camera: missing, expected a group with the camera's attributes")
+        raise FormatError(f"/{name}: missing, expected a group with the camera's attributes")
     model = text_attribute(group, "model")
     if model != CAMERA_MODEL:
-        raise FormatError(f"attribute model of /camera: {model!r}, expected {CAMERA_MODEL!r}")
+        raise FormatError(f"attribute model of /{name}: {model!r}, expected {CAMERA_MODEL!r}")
     rows, columns = number_attribute(group, "image_size", 2)
     row, column = number_attribute(group, "disc_centre", 2)
     try:
@@ -256,9 +262,15 @@ def decode_camera(file: h5py.File) -> FisheyeCamera:
             image_size=(int(rows), int(columns)),
             disc_centre=(float(row), float(column)),
             height=float(number_attribute(group, "height")),
+            flaws=_decode_flaws(group),
         )
     except ValueError as error:
-        raise FormatError(f"/camera: {error}") from error
+        raise FormatError(f"/{name}: {error}") from error
+
+
+def _decode_flaws(group: h5py.Group) -> CameraFlaws:
+    names = [name for name in asdict(CameraFlaws()) if name in group.attrs]
+    return CameraFlaws(**{name: float(number_attribute(group, name)) for name in names})
 
 
 def decode_settings(file: h5py.File, name: str) -> Settings | None:

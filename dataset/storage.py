@@ -1,15 +1,12 @@
 """Map files: write one, read one, read its images one by one.
 
 A map file is only ever replaced as a whole (`dataset.atomic`), because HDF5 is
-not crash-safe when it is changed in place. Images are deflated, one chunk per
-image: finished frames can then be carried from the journal into the file, and
-from the old file into the new one, without being unpacked (`dataset.journal`).
+not crash-safe when it is changed in place. How images lie in it: `dataset.frames`.
 """
 
 from __future__ import annotations
 
 import os
-import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,10 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dataset.atomic import locked, remove_leftovers
+from dataset.camera import FisheyeCamera
 from dataset.errors import FormatError
+from dataset.frames import Frame, Image, Radiance, pack_image, put_images
 from dataset.layout import (
     array_of,
     check_format,
+    decode_camera,
     decode_map,
     encode_map,
     number_attribute,
@@ -38,9 +38,8 @@ from dataset.writing import created
 
 __all__ = ["MapFile", "Rooms", "read_map", "write_map", "write_rooms"]
 
-Image = NDArray[np.uint8]
-Frame = tuple[int, bytes, float]
-"""Node index, deflated pixels, exposure gain."""
+OWN_CAMERA = "own_camera"
+"""Keeps the camera that a map had before its images were made with another one."""
 
 
 @dataclass(frozen=True)
@@ -97,52 +96,10 @@ def _packed(
     for index, image in enumerate(images):
         count += 1
         if image is not None and index < n:
-            yield index, pack_image(image, topomap.camera.image_size), float(gain[index])
+            packed = pack_image(image, topomap.camera.image_size)
+            yield Frame(index, packed, float(gain[index]))
     if count != n:
         raise FormatError(f"images/pixels: {count} images, expected {n}, one per node")
-
-
-def pack_image(image: Image, size: tuple[int, int]) -> bytes:
-    """Deflate an image as HDF5's own filter would; FormatError if it has another size."""
-    image = np.asarray(image)
-    if image.dtype != np.uint8 or image.shape != tuple(size):
-        raise FormatError(
-            f"images/pixels: an image of {image.dtype} {image.shape}, expected uint8 {tuple(size)}"
-        )
-    # Level 1: higher levels cost several times the time and save a few per cent of noise.
-    return zlib.compress(np.ascontiguousarray(image).tobytes(), 1)
-
-
-def put_images(
-    file: h5py.File, frames: Iterable[Frame], n: int, size: tuple[int, int], preset: str = ""
-) -> None:
-    """Write ``/images`` from packed frames in order of their node."""
-    group = file.create_group("images")
-    if preset:
-        group.attrs["preset"] = preset
-    pixels = group.create_dataset(
-        "pixels", (n, *size), "u1", chunks=(1, *size), compression="gzip", compression_opts=1
-    )
-    gain, done = np.ones(n), np.zeros(n, bool)
-    for index, data, value in frames:
-        pixels.id.write_direct_chunk((index, 0, 0), data)
-        gain[index], done[index] = value, True
-    group.create_dataset("gain", data=gain)
-    group.create_dataset("done", data=done)
-
-
-def stored_frames(file: h5py.File) -> Iterator[Frame]:
-    """Yield the packed frames that a file already holds, in order of their node."""
-    if "images" not in file:
-        return
-    pixels, gain = array_of(file, "images/pixels"), read(file, "images/gain", "f")
-    plain = pixels.chunks == (1, *pixels.shape[1:]) and pixels.compression == "gzip"
-    for index in np.flatnonzero(read(file, "images/done", "b")):
-        if plain and not pixels.shuffle:
-            data = pixels.id.read_direct_chunk((int(index), 0, 0))[1]
-        else:
-            data = pack_image(pixels[index], pixels.shape[1:])
-        yield int(index), data, float(gain[index])
 
 
 def read_map(path: str | Path) -> TopoMap:
@@ -292,6 +249,31 @@ class MapFile:
         stack = [self.image(int(index)) for index in chosen]
         size = self.topomap.camera.image_size
         return np.stack(stack) if stack else np.empty((0, *size), np.uint8)
+
+    @property
+    def own_camera(self) -> FisheyeCamera:
+        """The map's camera before its images were made with another one."""
+        if OWN_CAMERA not in self._file:
+            return self.topomap.camera
+        with errors_of(self.path):
+            return decode_camera(self._file, OWN_CAMERA)
+
+    @property
+    def keeps_radiance(self) -> bool:
+        """Whether the images' radiance is kept (`roomseg render --hdr`)."""
+        return "images/radiance" in self._file
+
+    def radiance(self, index: int) -> NDArray[np.float32]:
+        """Linear radiance of a node's image before exposure, shape ``camera.image_size``."""
+        self._require(index)
+        if not self.keeps_radiance:
+            raise FormatError(
+                f"{self.path}: /images/radiance: missing; `roomseg render --hdr` keeps it"
+            )
+        with errors_of(self.path):
+            halves = np.asarray(array_of(self._file, "images/radiance")[index])
+            exponent = int(read(self._file, "images/radiance_exponent", "i")[index])
+            return Radiance(halves, exponent).light
 
     def gain(self, index: int) -> float:
         """Exposure gain a of a node's image."""

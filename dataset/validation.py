@@ -242,10 +242,12 @@ def _check_camera(file: h5py.File, sound: Sound) -> Iterator[str]:
         return
     centre, size = np.asarray(camera.disc_centre), np.asarray(camera.image_size)
     radius = camera.disc_diameter / 2
-    if (centre - radius < -0.5).any() or (centre + radius > size + 0.5).any():
+    # A sensor smaller than the disc is no fault, but rows taken for columns are.
+    leaves = (centre - radius < -0.5) | (centre + radius > size + 0.5)
+    if (leaves & (2 * radius <= size)).any():
         yield (
             f"/camera: a disc of {camera.disc_diameter:g} px around {camera.disc_centre} "
-            f"does not fit into {camera.image_size} px"
+            f"leaves an image of {camera.image_size} px, in which there is room for it"
         )
     pixels = sound.get("images/pixels")
     if pixels is not None and pixels.shape[1:] != tuple(camera.image_size):
@@ -277,6 +279,28 @@ def _check_images(file: h5py.File, sound: Sound) -> Iterator[str]:
         yield f"/images/gain: {gain[dark[0]]} of node {dark[0]}, expected > 0"
     for index in done:
         yield from _check_image(pixels, int(index))
+    if "images/radiance" in file:
+        yield from _check_radiance(file, pixels.shape, done)
+
+
+def _check_radiance(
+    file: h5py.File, shape: tuple[int, ...], done: NDArray[np.intp]
+) -> Iterator[str]:
+    """Image by image: all together may be larger than the memory."""
+    radiance = file["images/radiance"]
+    if radiance.shape != shape or radiance.dtype != np.float16:
+        yield f"/images/radiance: {radiance.dtype} {radiance.shape}, expected float16 {shape}"
+        return
+    exponent = file.get("images/radiance_exponent")
+    if exponent is None or exponent.dtype.kind != "i" or exponent.shape != shape[:1]:
+        yield f"/images/radiance_exponent: expected {shape[0]} whole numbers"
+    for index in done.tolist():
+        try:
+            good = bool(np.isfinite(radiance[index]).all())
+        except (OSError, RuntimeError, ValueError):
+            good = False
+        if not good:
+            yield f"/images/radiance: that of node {index} is damaged"
 
 
 def _check_image(pixels: h5py.Dataset, index: int) -> Iterator[str]:

@@ -8,7 +8,8 @@ Left open there, chosen here:
 
 - "the unfolded image" is the panorama of §2.2.4, so the 7 x 7 mean comes before
   unfolding and the histogram equalisation of Fig. 19 does not come at all. On a
-  disc that is not 464 px the mask is scaled with it (and stays odd).
+  disc that is not 464 px the mask is scaled with it (and stays odd). Directions that
+  the camera does not see do not count.
 - "about" is within half a grey level.
 - Convergence. f(a) = mean i' is concave and increasing with f(0) = 0, hence the
   update maps any a towards the solution without passing it; its error shrinks by
@@ -17,6 +18,8 @@ Left open there, chosen here:
   geometric and slow. If more than half of the panorama is black there is no
   solution: the mean stands still once all that shines is saturated, and the loop
   ends there. An image without any light keeps a = 1.
+- A camera's flaws (`render.flaws`): vignetting and blur belong to the light i; noise
+  comes after the gain, which is found without it.
 """
 
 from __future__ import annotations
@@ -25,7 +28,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
+from dataset.camera import FisheyeCamera
+from render.flaws import sensed, through_lens
 
 __all__ = ["I_MAX", "expose", "unfolded_mean"]
 
@@ -35,23 +39,19 @@ MAX_ITERATIONS = 200
 STANDSTILL = 1e-5
 
 
-def blur_width(camera: FisheyeCamera) -> int:
-    """Side of the averaging mask of §2.2.4, px: 7 on a 464-pixel disc, odd."""
-    half = 3.5 * camera.disc_diameter / SIMULATED_CAMERA.disc_diameter
-    return 2 * round(half - 0.5) + 1
-
-
 def unfolded_mean(image: NDArray[np.float32], camera: FisheyeCamera) -> float:
     """Mean of the blurred, unfolded panorama (§2.2.4) of ``image`` (h, w)."""
-    width = blur_width(camera)
+    width = camera.averaging_mask()
     blurred = cv2.blur(image, (width, width))
     map_x, map_y = camera.panorama_map()
-    return float(cv2.remap(blurred, map_x, map_y, cv2.INTER_LINEAR).mean(dtype=np.float64))
+    unfolded = cv2.remap(blurred, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return float(unfolded.mean(dtype=np.float64, where=camera.shows(map_x, map_y)))
 
 
 def expose(
     radiance: NDArray[np.float32],
     camera: FisheyeCamera,
+    rng: np.random.Generator | None = None,
     *,
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
@@ -62,6 +62,10 @@ def expose(
     ----------
     radiance : array, shape ``camera.image_size``, float32
         Linear intensity i; negative values count as 0.
+    camera : FisheyeCamera
+        With its flaws.
+    rng : numpy.random.Generator, optional
+        Of the noise; without it an image of a camera that has noise is refused.
     tolerance : float
         Accepted distance of the panorama's mean from 127.5, grey levels.
     max_iterations : int
@@ -70,23 +74,27 @@ def expose(
     Returns
     -------
     image : array, shape (h, w), uint8
-        min(a i, 255), rounded.
+        min(a i, 255), rounded; with noise, if the camera has it.
     gain : float
         a; 1 for an image without light.
 
     Raises
     ------
     ValueError
-        If ``radiance`` has another shape or is not finite.
+        If ``radiance`` has another shape or is not finite, or ``rng`` is missing.
     """
     light = np.asarray(radiance, dtype=np.float32)
     if light.shape != camera.image_size:
         raise ValueError(f"radiance: shape {light.shape}, expected {camera.image_size}")
     if not np.isfinite(light).all():
         raise ValueError("radiance: has values that are not finite")
-    light = np.maximum(light, 0.0)
+    light = through_lens(np.maximum(light, 0.0), camera)
     gain = _converged_gain(light, camera, tolerance, max_iterations)
-    return np.rint(np.minimum(gain * light, I_MAX)).astype(np.uint8), gain
+    if camera.flaws.full_well == 0.0:
+        return np.rint(np.minimum(gain * light, I_MAX)).astype(np.uint8), gain
+    if rng is None:
+        raise ValueError("rng: missing, expected a generator for the camera's noise")
+    return sensed(gain * light, camera.flaws, rng), gain
 
 
 def _converged_gain(

@@ -61,12 +61,9 @@ class Job:
     def from_json(cls, line: str) -> Job:
         """The job of `to_json`."""
         fields = json.loads(line)
-        camera = fields.pop("camera")
-        for name in ("image_size", "disc_centre"):
-            camera[name] = tuple(camera[name])
         return cls(
             apartment=Apartment.model_validate(fields.pop("apartment")),
-            camera=FisheyeCamera(**camera),
+            camera=FisheyeCamera.of(fields.pop("camera")),
             preset=Preset(**fields.pop("preset")),
             **fields,
         )

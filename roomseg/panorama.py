@@ -9,6 +9,8 @@ histogram equalisation. The equalisation stands only in the caption of Fig. 19.
 * "The first twelve Fourier coefficients" begin with the mean (coefficient 0)
   and are unnormalised sums over the 288 columns, as in Matlab's ``fft``.
 * In discs of other sizes the mask of the mean scales to the nearest odd number.
+* What an image cropped by the sensor does not show is continued from its edge; what
+  lies outside a disc of less than 180° is black, the same in all images.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
+from dataset.camera import FisheyeCamera
 
 __all__ = [
     "PanoramaParameters",
@@ -81,9 +83,7 @@ class Unfolding:
         map_x, map_y = camera.panorama_map(
             parameters.width, parameters.height, parameters.top_elevation
         )
-        scale = camera.pixels_per_radian / SIMULATED_CAMERA.pixels_per_radian
-        mask = max(1, 2 * round((parameters.mask * scale - 1) / 2) + 1)
-        return cls(map_x, map_y, mask)
+        return cls(map_x, map_y, camera.averaging_mask(parameters.mask))
 
     def __call__(self, image: Pixels) -> Pixels:
         """Mean, unfold, equalise.
