@@ -92,7 +92,7 @@ class FisheyeCamera:
     def __post_init__(self) -> None:
         if not 0.0 < self.field_of_view <= 2.0 * np.pi:
             raise ValueError(f"field_of_view: {self.field_of_view}, expected 0 < rad <= 2 pi")
-        if not self.disc_diameter > 0.0:
+        if not 0.0 < self.disc_diameter < np.inf:
             raise ValueError(f"disc_diameter: {self.disc_diameter}, expected > 0 px")
         if min(self.image_size) < 1:
             raise ValueError(f"image_size: {self.image_size}, expected at least (1, 1) px")
@@ -101,7 +101,7 @@ class FisheyeCamera:
                 f"disc_centre: {self.disc_centre}, expected (row, column) in the image, "
                 f"{self.image_size} px"
             )
-        if not self.height > 0.0:
+        if not 0.0 < self.height < np.inf:
             raise ValueError(f"height: {self.height}, expected > 0 m")
 
     @classmethod
@@ -125,13 +125,18 @@ class FisheyeCamera:
     def resized(self, disc_diameter: int) -> FisheyeCamera:
         """The same lens with another, tightly cropped disc of that many pixels."""
         size = int(disc_diameter)
-        return replace(
+        small = replace(
             self,
             disc_diameter=float(size),
             image_size=(size, size),
             disc_centre=(size / 2, size / 2),
-            flaws=replace(self.flaws, blur=self.flaws.blur * size / self.disc_diameter),
         )
+        return replace(small, flaws=self.scaled_flaws(small))
+
+    def scaled_flaws(self, other: FisheyeCamera) -> CameraFlaws:
+        """The flaws of this camera for one of other pixels; the blur is an angle."""
+        scale = other.pixels_per_radian / self.pixels_per_radian
+        return replace(self.flaws, blur=self.flaws.blur * scale)
 
     def project(
         self, azimuth: NDArray[np.float64], zenith: NDArray[np.float64]

@@ -5,7 +5,7 @@ be rendered, and never by importing this package.
 """
 
 from render.exposure import expose
-from render.job import render_map
+from render.job import expose_map, render_map
 from render.presets import PRESETS, Preset, preset_named
 
-__all__ = ["PRESETS", "Preset", "expose", "preset_named", "render_map"]
+__all__ = ["PRESETS", "Preset", "expose", "expose_map", "preset_named", "render_map"]

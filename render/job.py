@@ -5,16 +5,24 @@ map's one writer. Every finished frame goes to the journal beside the map at onc
 and is packed into the map when the job ends, also by an error or Ctrl-C, so that at
 most the image in the making is lost. Frame i depends on the map's seed, the node's
 pose and i alone: a map rendered in pieces equals one rendered in one go.
+
+Radiance is rounded to float16 before it is exposed, kept or not: `expose_map` then makes
+of what was kept the very images that rendering made.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
-from dataset.camera import FisheyeCamera
+import numpy as np
+from numpy.typing import NDArray
+
+from dataset.camera import CameraFlaws, FisheyeCamera
 from dataset.errors import FormatError
+from dataset.frames import Radiance
 from dataset.journal import FrameJournal
 from dataset.storage import read_map
 from dataset.topomap import TopoMap
@@ -28,7 +36,10 @@ from scenes.apartment import Apartment
 from scenes.errors import SceneError
 from scenes.storage import apartment_from_json
 
-__all__ = ["render_map"]
+__all__ = ["expose_map", "render_map"]
+
+NOISE = 0x5E45
+"""Tells the noise of the images from whatever else is drawn from the run's seed."""
 
 
 def render_map(
@@ -39,6 +50,7 @@ def render_map(
     limit: int | None = None,
     threads: int | None = None,
     device: Device = "auto",
+    hdr: bool = False,
     on_device: Callable[[str], None] | None = None,
     on_progress: Callable[[int, int], None] | None = None,
 ) -> int:
@@ -56,6 +68,8 @@ def render_map(
     threads : int, optional
         All cores if absent.
     device : {'auto', 'cpu', 'gpu'}
+    hdr : bool
+        Keep the radiance of the images, too, for `expose_map`.
     on_device : callable, optional
         Called once with the name of what renders.
     on_progress : callable, optional
@@ -71,14 +85,14 @@ def render_map(
     ------
     FormatError
         If the file is no map, has no scene, poses or light, or holds images of
-        another preset or camera.
+        another preset or camera, or without the radiance to be kept.
     RoomsegError
         If another process writes to the map, or Blender fails.
     """
     topomap = read_map(path)
     apartment = _apartment(path, topomap)
     camera = _camera(path, topomap, preset)
-    with FrameJournal(path, camera, preset.name) as journal:
+    with FrameJournal(path, camera, preset.name, keep_radiance=hdr) as journal:
         try:
             wanted = range(len(topomap.nodes)) if nodes is None else sorted(set(nodes))
             missing = [i for i in wanted if i not in journal.done][:limit]
@@ -108,13 +122,63 @@ def _render(
     assert poses is not None
     count, total = 0, len(journal.done) + len(missing)
     with closing(process.frames(missing, poses)) as frames:
-        for index, radiance in frames:
-            image, gain = expose(radiance, journal.camera)
-            journal.append(index, image, gain)
+        for index, light in frames:
+            radiance = Radiance.of(light)
+            rng = _noise_of(topomap.seed, index)
+            image, gain = expose(radiance.light, journal.camera, rng)
+            journal.append(index, image, gain, radiance)
             count += 1
             if on_progress is not None:
                 on_progress(len(journal.done), total)
     return count
+
+
+def expose_map(
+    path: str | Path,
+    flaws: CameraFlaws | None = None,
+    *,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """Expose the images of a map anew, from the radiance that `render_map` kept.
+
+    Parameters
+    ----------
+    path : path
+    flaws : CameraFlaws, optional
+        Of the map's camera, from now on; as they are if absent.
+    on_progress : callable, optional
+        Called with (images done, how many there will be).
+
+    Returns
+    -------
+    int
+        How many images were exposed.
+
+    Raises
+    ------
+    FormatError
+        If the file is no map, or keeps no radiance.
+    RoomsegError
+        If another process writes to the map.
+    """
+    topomap, count = read_map(path), 0
+    camera = topomap.camera if flaws is None else replace(topomap.camera, flaws=flaws)
+
+    def develop(index: int, light: NDArray[np.float32]) -> tuple[NDArray[np.uint8], float]:
+        nonlocal count
+        developed = expose(light, camera, _noise_of(topomap.seed, index))
+        count += 1
+        if on_progress is not None:
+            on_progress(count, len(journal.done))
+        return developed
+
+    with FrameJournal(path) as journal:
+        return journal.expose(camera, develop)
+
+
+def _noise_of(seed: int, node: int) -> np.random.Generator:
+    """The generator of a node's noise, whoever renders it and when."""
+    return np.random.default_rng(np.random.SeedSequence([seed % 2**64, node, NOISE]))
 
 
 def _camera(path: str | Path, topomap: TopoMap, preset: Preset) -> FisheyeCamera:

@@ -9,6 +9,8 @@ lane_spacing = 0.25
 [sensor]
 beams = 3
 bearings_deg = [0.0, 30.0, -30.0]
+
+A third table, [camera], is that of `simulator.camera_file`.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ from dataset.topomap import Settings
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
 
-__all__ = ["read_specs", "settings_of"]
+__all__ = ["read_specs", "read_tables", "settings_of"]
+
+TABLES = ("robot", "sensor", "camera")
 
 Spec = TypeVar("Spec", RobotSpec, SensorSpec)
 
@@ -39,6 +43,13 @@ def read_specs(path: str | Path) -> tuple[RobotSpec, SensorSpec]:
         If the file cannot be read, is no TOML, or has an unknown or impossible
         setting; one line.
     """
+    data = read_tables(path)
+    robot = _spec(RobotSpec, data.get("robot", {}), f"{path}: robot")
+    return robot, _spec(SensorSpec, data.get("sensor", {}), f"{path}: sensor")
+
+
+def read_tables(path: str | Path) -> dict[str, Any]:
+    """Read the tables of a robot's file; FormatError if it is none, or has others."""
     try:
         data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
     except OSError as error:
@@ -46,10 +57,9 @@ def read_specs(path: str | Path) -> tuple[RobotSpec, SensorSpec]:
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise FormatError(f"{path}: not a TOML text file: {error}") from error
     for table in data:
-        if table not in ("robot", "sensor"):
-            raise FormatError(f"{path}: [{table}]: unknown, expected [robot] or [sensor]")
-    robot = _spec(RobotSpec, data.get("robot", {}), f"{path}: robot")
-    return robot, _spec(SensorSpec, data.get("sensor", {}), f"{path}: sensor")
+        if table not in TABLES:
+            raise FormatError(f"{path}: [{table}]: unknown, expected one of {', '.join(TABLES)}")
+    return data
 
 
 def settings_of(spec: RobotSpec | SensorSpec) -> Settings:

@@ -24,6 +24,7 @@ COMMANDS = {
     "export": "Write an apartment or a run for other programs.",
     "simulate": "Clean apartments and record maps.",
     "render": "Add camera images to maps.",
+    "expose": "Expose the images of maps again, without rendering.",
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",
     "evaluate": "Judge the method, leaving each environment out once.",

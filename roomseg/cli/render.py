@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from roomseg.cli.contact_sheet import write_contact_sheet
 from roomseg.cli.options import maps_argument
 from roomseg.cli.output import follow, progress_bar, tell
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 EXAMPLE = """\b
 Example:
   roomseg render maps/*.h5
-  roomseg render maps/home-7-run1.h5 --preset preview --limit 20
+  roomseg render maps/home-7-run1.h5 --preset preview --limit 20 --contact-sheet
 """
 
 
@@ -37,6 +38,16 @@ Example:
     show_default=True,
     help="What renders.",
 )
+@click.option(
+    "--hdr",
+    is_flag=True,
+    help="Keep the radiance of the images, too, for `roomseg expose`: about four times the space.",
+)
+@click.option(
+    "--contact-sheet",
+    is_flag=True,
+    help="Also draw some images and their panoramas into MAP.png beside the map.",
+)
 @click.option("--force", is_flag=True, help="Throw away the images that are there.")
 def command(
     *,
@@ -45,6 +56,8 @@ def command(
     limit: int | None,
     threads: int | None,
     device: Device,
+    hdr: bool,
+    contact_sheet: bool,
     force: bool,
 ) -> None:
     """Add camera images to maps.
@@ -60,7 +73,7 @@ def command(
         # All files are looked at before hours are spent on the first.
         camera = chosen.camera(read_map(path).camera)
         if not force:
-            FrameJournal(path, camera, chosen.name).close()
+            FrameJournal(path, camera, chosen.name, keep_radiance=hdr).close()
     with progress_bar("images") as bar:
         for path in maps:
             if force:
@@ -76,7 +89,10 @@ def command(
                 limit=limit,
                 threads=threads,
                 device=device,
+                hdr=hdr,
                 on_device=tell_device,
                 on_progress=show,
             )
             tell(bar, f"{path}: {count} new images")
+            if contact_sheet and (picture := write_contact_sheet(path)) is not None:
+                tell(bar, str(picture))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import traceback
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -72,10 +72,12 @@ def recognise(run: Run, *, judged: bool) -> Outcome:
     """Make sure that the map that is there is the one of the run; report on it if ``judged``."""
 
     def look() -> CoverageReport | None:
-        from dataset import read_map
+        from dataset import MapFile
 
-        topomap, place = read_map(run.output), _place(run, checked=False)
-        _check_same(run, topomap, place)
+        with MapFile(run.output) as file:
+            topomap, camera = file.topomap, file.own_camera
+        place = _place(run, checked=False)
+        _check_same(run, topomap, place, camera)
         return _report(run, topomap, place) if judged else None
 
     return _outcome(run, look)
@@ -164,7 +166,7 @@ def _report(run: Run, topomap: TopoMap, place: Apartment) -> CoverageReport:
     return coverage_report(topomap, place, lane_spacing=run.robot.lane_spacing)
 
 
-def _check_same(run: Run, topomap: TopoMap, place: Apartment) -> None:
+def _check_same(run: Run, topomap: TopoMap, place: Apartment, camera: FisheyeCamera) -> None:
     """Refuse to take the map of another apartment or seed for the one that is wanted."""
     from dataset import RoomsegError
     from simulator import settings_of
@@ -176,6 +178,7 @@ def _check_same(run: Run, topomap: TopoMap, place: Apartment) -> None:
         "seed": topomap.seed == run.seed,
         "robot": topomap.robot == settings_of(run.robot),
         "robot's sensors": topomap.sensor == settings_of(run.sensor),
+        "camera": camera == replace(run.camera, height=run.sensor.camera_height),
         "start": begin is None or bool(np.hypot(begin[0] - x, begin[1] - y) < 1e-6),
     }
     if not all(same.values()):

@@ -16,6 +16,7 @@ from roomseg.cli.output import counted, follow, progress_bar, tell, write_json
 from roomseg.cli.runs import Outcome, Run, attempt, lost, recognise, run_seed
 
 if TYPE_CHECKING:
+    from dataset import FisheyeCamera
     from simulator import CoverageReport
 
 EXAMPLE = """\b
@@ -93,18 +94,18 @@ def command(
     apartment has a 3D scene of its own, that is put beside the maps. What fails
     is listed at the end; the other runs go on.
     """
-    from dataset import SIMULATED_CAMERA
     from simulator import RobotSpec, SensorSpec, read_specs
 
     _check_date(created)
     _check_reference_set(click.get_current_context())
     robot, sensor = read_specs(robot_file) if robot_file else (RobotSpec(), SensorSpec())
+    camera = _camera(robot_file)
     sources, problems = _by_name(apartments)
     if reference_set:
         wanted = _reference_runs(output, created)
     else:
         start: Literal["random"] | None = "random" if random_starts else None
-        usual = Run("", "", 0, created, output, robot, sensor, SIMULATED_CAMERA, start)
+        usual = Run("", "", 0, created, output, robot, sensor, camera, start)
         wanted = [*_runs_in(sources, usual, runs, seed)]
     there = {run.output for run in wanted if not force and run.output.exists()}
     outcomes = [*_recognise([r for r in wanted if r.output in there], judged=json_file is not None)]
@@ -118,6 +119,28 @@ def command(
         made = sum(outcome.problem is None for outcome in outcomes)
         click.echo(f"{output}: {counted(made, 'map')}, {len(there)} of them there before")
     _tell(problems)
+
+
+def _camera(robot_file: Path | None) -> FisheyeCamera:
+    """The camera of the robot.
+
+    Raises
+    ------
+    RoomsegError
+        If it cannot be read, or its images could not be rendered later.
+    """
+    from dataset import SIMULATED_CAMERA, RoomsegError
+    from render.blender import render_window
+    from simulator.camera_file import read_camera
+
+    if robot_file is None:
+        return SIMULATED_CAMERA
+    camera = read_camera(robot_file)
+    try:
+        render_window(camera)
+    except ValueError as error:
+        raise RoomsegError(f"{robot_file}: camera.{error}") from error
+    return camera
 
 
 def _by_name(apartments: Sequence[str]) -> tuple[dict[str, str], list[str]]:

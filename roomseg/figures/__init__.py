@@ -15,6 +15,7 @@ from roomseg.figures.charts import (
     draw_roc,
     draw_room_counts,
 )
+from roomseg.figures.contact_sheet import contact_sheet_figure
 from roomseg.figures.graphs import draw_borders, draw_graph, draw_rooms, match_rooms, wrong_nodes
 from roomseg.figures.legend import add_map_legend
 from roomseg.figures.plan import (
@@ -43,6 +44,7 @@ __all__ = [
     "RocCurve",
     "Symbol",
     "add_map_legend",
+    "contact_sheet_figure",
     "draw_borders",
     "draw_camera_image",
     "draw_cleaning_run",
