@@ -45,7 +45,8 @@ def unfolded_mean(image: NDArray[np.float32], camera: FisheyeCamera) -> float:
     blurred = cv2.blur(image, (width, width))
     map_x, map_y = camera.panorama_map()
     unfolded = cv2.remap(blurred, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return float(unfolded.mean(dtype=np.float64, where=camera.shows(map_x, map_y)))
+    shown = camera.shows(map_x, map_y)
+    return float(unfolded.mean(dtype=np.float64, where=shown)) if shown.any() else 0.0
 
 
 def expose(

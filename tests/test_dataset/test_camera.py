@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
+from dataset.camera import SIMULATED_CAMERA, CameraFlaws, FisheyeCamera
 
 REAL = FisheyeCamera(np.radians(185), 450.0, (512, 640), (256.0, 320.0), 0.09)
 
@@ -64,8 +67,66 @@ def test_smaller_disc_sees_the_same_angles():
         {"disc_diameter": -1.0},
         {"image_size": (0, 464)},
         {"height": 0.0},
+        {"disc_diameter": np.inf},
+        {"disc_centre": (232.0, 465.0)},
+        {"disc_centre": (np.nan, 232.0)},
     ],
 )
 def test_impossible_cameras_are_refused(field):
     with pytest.raises(ValueError, match=next(iter(field))):
         FisheyeCamera(**field)
+
+
+FLAWED = FisheyeCamera(
+    np.radians(200.0), 560.0, (512, 640), (250.0, 330.0), flaws=CameraFlaws(0.3, 0.8, 9000.0, 15.0)
+)
+
+
+def test_a_disc_larger_than_its_image_and_off_its_middle() -> None:
+    """Pixel by pixel, against the projection written out."""
+    zenith = np.degrees(FLAWED.pixel_zenith())
+    assert zenith.shape == (512, 640)
+    for row, column in ((0, 0), (511, 0), (0, 639), (250, 330), (400, 17)):
+        radius = np.sqrt((row + 0.5 - 250.0) ** 2 + (column + 0.5 - 330.0) ** 2)
+        assert zenith[row, column] == pytest.approx(radius * 200.0 / 560.0)
+
+
+@pytest.mark.parametrize("degrees", [160.0, 185.0, 220.0])
+def test_what_a_camera_shows_of_the_panorama(degrees: float) -> None:
+    camera = FisheyeCamera(np.radians(degrees), 300.0, (200, 400), (90.0, 210.0))
+    shown = camera.shows(*camera.panorama_map())
+    for row, column in np.ndindex(48, 288):
+        elevation = 75.0 * (1.0 - (row + 0.5) / 48.0)
+        azimuth = np.radians((column + 0.5) * 360.0 / 288.0)
+        radius = (90.0 - elevation) * 300.0 / degrees
+        at = 90.0 + radius * np.sin(azimuth), 210.0 + radius * np.cos(azimuth)
+        seen = 0.0 <= at[0] <= 200.0 and 0.0 <= at[1] <= 400.0 and 90.0 - elevation <= degrees / 2
+        assert shown[row, column] == seen
+    assert shown.any()
+    assert not shown.all()
+
+
+def test_a_camera_survives_json() -> None:
+    assert FisheyeCamera.of(json.loads(json.dumps(asdict(FLAWED)))) == FLAWED
+    plain = asdict(SIMULATED_CAMERA)
+    del plain["flaws"]  # as written before there were any
+    assert FisheyeCamera.of(plain) == SIMULATED_CAMERA
+
+
+def test_the_blur_shrinks_with_the_disc() -> None:
+    assert FLAWED.resized(280).flaws == CameraFlaws(0.3, 0.4, 9000.0, 15.0)
+    assert FLAWED.resized(280).resized(280) == FLAWED.resized(280)
+
+
+@pytest.mark.parametrize(
+    ("flaws", "message"),
+    [
+        ({"vignetting": 1.5}, "vignetting: 1.5, expected 0..1"),
+        ({"blur": -1.0}, "blur: -1.0, expected a finite number >= 0"),
+        ({"full_well": np.inf}, "full_well: inf, expected a finite number"),
+        ({"read_noise": 5.0}, "read_noise: 5.0 electrons without full_well"),
+    ],
+)
+def test_impossible_flaws_are_refused(flaws, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        CameraFlaws(**flaws)

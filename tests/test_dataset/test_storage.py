@@ -16,6 +16,7 @@ from hypothesis.extra import numpy as stn
 from sample_maps import assert_same, images_of, two_rooms
 
 from dataset import (
+    CameraFlaws,
     FisheyeCamera,
     FormatError,
     GroundTruth,
@@ -72,12 +73,14 @@ def maps(draw: st.DrawFn) -> TopoMap:
         room_count=draw(st.integers(1, 1000)),
         room=draw(st.none() | ints(n)),
     )
+    rows, columns = draw(st.tuples(st.integers(1, 999), st.integers(1, 999)))
     camera = FisheyeCamera(
         field_of_view=draw(st.floats(0.1, 6.2)),
         disc_diameter=draw(st.floats(1.0, 1e4)),
-        image_size=draw(st.tuples(st.integers(1, 999), st.integers(1, 999))),
-        disc_centre=draw(st.tuples(finite, finite)),
+        image_size=(rows, columns),
+        disc_centre=draw(st.tuples(st.floats(0.0, rows), st.floats(0.0, columns))),
         height=draw(st.floats(0.01, 2.0)),
+        flaws=CameraFlaws(*draw(st.tuples(*[st.floats(0.0, 1.0)] * 2, *[st.floats(0.1, 1e6)] * 2))),
     )
     radius = draw(st.floats(0.01, 1.0))
     return TopoMap(

@@ -33,6 +33,13 @@ POSE = np.array([1.0, -2.0, 0.7])
 LEANING = np.array([*POSE, 0.05, -0.08])
 """With roll and pitch."""
 MARKER_DISTANCE = 10.0
+MARKER_CAMERAS = {
+    "simulated": (FisheyeCamera(), 93.0),
+    "real": (FisheyeCamera(np.radians(185.0), 450.0, (512, 640), (256.0, 320.0)), 90.5),
+    "wide": (FisheyeCamera(np.radians(220.0), 560.0, (512, 640), (241.5, 330.5)), 105.0),
+}
+"""Three lenses, and the largest zenith angle of a marker, degrees. The last disc is larger
+than its image and off its middle; no marker's azimuth leads out of the image."""
 
 
 def boxed_room(window: tuple[float, float], source: str = "exterior") -> Apartment:
@@ -94,7 +101,7 @@ def marker(bpy: Any, scene: Any, azimuth: float, zenith: float, camera: FisheyeC
     tips = np.array([s * np.eye(3)[axis] for axis in range(3) for s in (1.0, -1.0)])
     faces = [(x, y, z) for x in (0, 1) for y in (2, 3) for z in (4, 5)]
     shape = Mesh(
-        middle + 0.12 * tips,
+        middle + 0.2 * tips,
         np.array(faces, dtype=np.int32),
         np.zeros(len(faces), dtype=np.int32),
         ("glow",),
@@ -103,17 +110,22 @@ def marker(bpy: Any, scene: Any, azimuth: float, zenith: float, camera: FisheyeC
 
 
 def markers(bpy: Any) -> dict[str, np.ndarray]:
-    """Nine markers on a spiral from 0 to 94 degrees, in a dark world."""
-    camera = CAMERAS["simulated"]
-    scene = empty_scene(bpy)
-    zenith = np.radians([0.0, 10.0, 25.0, 40.0, 55.0, 70.0, 85.0, 90.0, 94.0])
-    azimuth = np.radians([0.0, 0.0, 90.0, 180.0, 270.0, 30.0, 120.0, 200.0, 310.0])
-    for a, z in zip(azimuth, zenith, strict=True):
-        marker(bpy, scene, a, z, camera)
-    add_camera(bpy, scene, camera)
-    configure(scene, Preset("probe", samples=16, denoise=False))
-    image = luminance(FrameSource(bpy, scene, camera).colour(POSE))
-    return {"markers": image, "marker_azimuth": azimuth, "marker_zenith": zenith}
+    """Twenty markers from 0° to the rim in a dark world, for each camera."""
+    found = {}
+    for name, (camera, last) in MARKER_CAMERAS.items():
+        scene = empty_scene(bpy)
+        zenith = np.radians(np.linspace(0.0, last, 20))
+        # Ahead and behind by turns, up to 40° to either side.
+        side = np.radians(40.0) * np.cos(2.0 * np.arange(20))
+        azimuth = side + np.pi * (np.arange(20) % 2)
+        azimuth[5] = np.radians(90.0)
+        for a, z in zip(azimuth, zenith, strict=True):
+            marker(bpy, scene, a, z, camera)
+        add_camera(bpy, scene, camera)
+        configure(scene, Preset("probe", samples=16, denoise=False))
+        found[f"markers_{name}"] = luminance(FrameSource(bpy, scene, camera).colour(POSE))
+        found[f"marker_angles_{name}"] = np.stack([azimuth, zenith], axis=1)
+    return found
 
 
 def rooms(bpy: Any) -> dict[str, np.ndarray]:

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from probe import CAMERAS, LEANING, POSE
+from probe import CAMERAS, LEANING, MARKER_CAMERAS, POSE
 from scipy.spatial.transform import Rotation
 
 from dataset.camera import FisheyeCamera
 from render.blender import render_window, surface_coordinates
+from roomseg.panorama import PanoramaParameters, Unfolding
 
 
 def expected_directions(camera: FisheyeCamera) -> tuple[np.ndarray, np.ndarray]:
@@ -65,22 +66,56 @@ def test_outside_the_disc_is_exactly_black(probed: dict[str, Any], name: str) ->
     assert image[~outside].any(axis=-1).all()
 
 
-def test_markers_appear_where_they_are_projected(probed: dict[str, Any]) -> None:
-    camera = CAMERAS["simulated"]
-    image = probed["markers"]
+def glow(image: np.ndarray, row: float, column: float) -> np.ndarray:
+    """What glows within 8 px of a point, as an image."""
     rows, columns = np.indices(image.shape) + 0.5
-    centres = camera.project(probed["marker_azimuth"], probed["marker_zenith"])
-    for row, column in centres:
-        weight = np.where(np.hypot(rows - row, columns - column) < 8.0, image, 0.0)
-        assert weight.sum() > 0.0
-        found = np.array([(weight * rows).sum(), (weight * columns).sum()]) / weight.sum()
-        assert np.hypot(*(found - (row, column))) < 0.5
+    return np.where(np.hypot(rows - row, columns - column) < 8.0, image, 0.0)
+
+
+@pytest.mark.parametrize("name", MARKER_CAMERAS)
+def test_markers_have_the_radius_of_their_zenith_angle(probed: dict[str, Any], name: str) -> None:
+    camera, _ = MARKER_CAMERAS[name]
+    middle = np.array(camera.disc_centre)
+    # By hand, not by `FisheyeCamera.project`: diameter over field of view.
+    scale = {"simulated": 464 / 190, "real": 450 / 185, "wide": 560 / 220}[name]
+    off = []
+    for azimuth, zenith in probed[f"marker_angles_{name}"]:
+        wanted = np.degrees(zenith) * scale * np.array([np.sin(azimuth), np.cos(azimuth)])
+        spot = glow(probed[f"markers_{name}"], *(middle + wanted))
+        rows, columns = np.indices(spot.shape) + 0.5
+        found = np.array([(spot * rows).sum(), (spot * columns).sum()]) / spot.sum() - middle
+        off.append((np.hypot(*found) - np.hypot(*wanted), np.hypot(*(found - wanted))))
+    radial, both = np.abs(off).max(axis=0)
+    assert radial < 0.1
+    assert both < 0.15
+
+
+@pytest.mark.parametrize("name", MARKER_CAMERAS)
+def test_unfolding_inverts_rendering(probed: dict[str, Any], name: str) -> None:
+    """A lamp of known azimuth and elevation lies there in the panorama, to half a pixel."""
+    camera, _ = MARKER_CAMERAS[name]
+    unfold = Unfolding.of(camera, PanoramaParameters())
+    for azimuth, zenith in probed[f"marker_angles_{name}"]:
+        elevation = 90.0 - np.degrees(zenith)
+        if not 8.0 < elevation < 67.0:
+            continue
+        row, column = camera.project(azimuth, zenith)
+        spot = glow(probed[f"markers_{name}"], float(row), float(column))
+        panorama = unfold(np.uint8(200.0 * spot / spot.max())).astype(float)
+        wanted = (azimuth % (2 * np.pi)) / (2 * np.pi) * 288
+        # Turned to the middle, so that it is not cut in two by the seam.
+        turn = 144 - round(wanted)
+        rows, columns = np.indices(panorama.shape) + 0.5
+        panorama = np.roll(panorama, turn, axis=1)
+        assert (panorama * columns).sum() / panorama.sum() - turn == pytest.approx(wanted, abs=0.5)
+        found = (panorama * rows).sum() / panorama.sum()
+        assert found == pytest.approx((75.0 - elevation) / 75.0 * 48, abs=0.5)
 
 
 def test_left_of_the_robot_is_at_the_bottom(probed: dict[str, Any]) -> None:
-    # The third marker is at azimuth +90 degrees, 25 degrees from the axis.
-    image = probed["markers"]
-    radius = 25.0 / 95.0 * 232.0
+    # The sixth marker is at azimuth +90 degrees.
+    image = probed["markers_simulated"]
+    radius = 5 * 93.0 / 19 * 464 / 190
     assert image[round(232 + radius), 232] > 0.0
     assert image[round(232 - radius), 232] == 0.0
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dataset.camera import FisheyeCamera
-from render.exposure import blur_width, expose, unfolded_mean
+from render.exposure import expose, unfolded_mean
 
 CAMERA = FisheyeCamera().resized(96)
 
@@ -20,7 +20,7 @@ def sectors(low: float, high: float, share: float) -> np.ndarray:
 
 def oracle_mean(image: np.ndarray, camera: FisheyeCamera) -> float:
     """Mean filter, unfolding and mean, with loops instead of OpenCV."""
-    half = blur_width(camera) // 2
+    half = camera.averaging_mask() // 2
     total, count = 0.0, 0
     for row in range(48):
         for column in range(288):
@@ -46,10 +46,32 @@ def test_unfolded_mean_against_loops() -> None:
 
 
 def test_the_mask_of_7_px_scales_with_the_disc() -> None:
-    assert blur_width(FisheyeCamera()) == 7
-    assert blur_width(FisheyeCamera(disc_diameter=450.0)) == 7
-    assert blur_width(FisheyeCamera().resized(232)) == 3
-    assert blur_width(FisheyeCamera().resized(40)) == 1
+    assert FisheyeCamera().averaging_mask() == 7
+    assert FisheyeCamera(disc_diameter=450.0).averaging_mask() == 7
+    assert FisheyeCamera().resized(232).averaging_mask() == 3
+    assert FisheyeCamera().resized(40).averaging_mask() == 1
+    # 464 px for 95° show everything twice as large.
+    assert FisheyeCamera(field_of_view=np.radians(95.0)).averaging_mask() == 13
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        FisheyeCamera(np.radians(160.0), 96.0, (96, 96), (48.0, 48.0)),
+        FisheyeCamera(np.radians(190.0), 96.0, (60, 96), (25.0, 50.0)),
+    ],
+    ids=["no horizon", "cropped"],
+)
+def test_what_is_not_seen_does_not_count(camera: FisheyeCamera) -> None:
+    light = np.where(camera.pixel_zenith() <= 0.5 * camera.field_of_view, 0.3, 0.0)
+    _, gain = expose(light.astype(np.float32), camera)
+    # Only the rim is darkened by the mask of the mean.
+    assert gain == pytest.approx(127.5 / 0.3, rel=0.03)
+
+
+def test_a_camera_that_sees_nothing_of_the_panorama_keeps_gain_one() -> None:
+    narrow = FisheyeCamera(np.radians(20.0), 32.0, (32, 32), (16.0, 16.0))
+    assert expose(np.ones((32, 32), dtype=np.float32), narrow)[1] == 1.0
 
 
 def test_an_even_image_becomes_half_grey_in_one_step() -> None:

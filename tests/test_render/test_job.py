@@ -17,7 +17,7 @@ from probe import boxed_room
 
 import render.job
 from dataset import FormatError, FrameJournal, MapFile, RoomsegError, read_map, write_map
-from dataset.camera import FisheyeCamera
+from dataset.camera import CameraFlaws, FisheyeCamera
 from dataset.topomap import Nodes, Obstacles, TopoMap, Visits
 from render import Preset, render_map
 from render.lighting import missing_light
@@ -321,7 +321,8 @@ def test_a_child_that_dies_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path
 
 
 def test_a_job_survives_its_line() -> None:
-    camera = FisheyeCamera(3.2, 450.0, (512, 640), (256.0, 320.0), 0.08)
+    flaws = CameraFlaws(0.3, 0.5, 9000.0, 15.0)
+    camera = FisheyeCamera(3.2, 450.0, (512, 640), (256.0, 320.0), 0.08, flaws)
     job = Job(boxed_room((0.0, 2.1)), camera, TINY, 2, "cpu", 9)
     assert Job.from_json(job.to_json()) == job
     assert "\n" not in job.to_json()

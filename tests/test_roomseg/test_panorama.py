@@ -127,3 +127,31 @@ def test_preview_disc_gives_a_similar_panorama() -> None:
     other = np.stack([pair[0], UNFOLD(scene_image(0.0, seed=1))])
     edge = np.array([[0, 1]])
     assert compass_distances(pair, edge) < 0.1 * compass_distances(other, edge)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "diameter", "size", "centre"),
+    [
+        (185.0, 450.0, (512, 640), (256.0, 320.0)),
+        (220.0, 400.0, (512, 640), (205.5, 371.5)),
+        (200.0, 600.0, (512, 640), (250.0, 330.0)),
+    ],
+    ids=["real", "off the middle", "larger than the image"],
+)
+def test_a_lamp_unfolds_to_its_azimuth_and_elevation(degrees, diameter, size, centre) -> None:
+    """The lamp is drawn with the projection written out, for every camera on its own."""
+    camera = FisheyeCamera(np.radians(degrees), diameter, size, centre)
+    unfold = Unfolding.of(camera, PAPER)
+    rows, columns = np.indices(size) + 0.5
+    for azimuth, elevation in ((20.0, 60.0), (170.0, 35.0), (345.0, 15.0)):
+        radius = (90.0 - elevation) * diameter / degrees
+        row = centre[0] + radius * np.sin(np.radians(azimuth))
+        column = centre[1] + radius * np.cos(np.radians(azimuth))
+        lamp = np.uint8(255 * (np.hypot(rows - row, columns - column) < 5.0))
+        panorama = unfold(lamp).astype(float)
+        down, across = np.indices(panorama.shape) + 0.5
+        # The mean direction, as azimuths go around.
+        angle = np.angle((panorama * np.exp(2j * np.pi * across / 288)).sum()) % (2 * np.pi)
+        assert angle / (2 * np.pi) * 288 == pytest.approx(azimuth * 288 / 360, abs=0.5)
+        wanted = (75.0 - elevation) / 75.0 * 48
+        assert (panorama * down).sum() / panorama.sum() == pytest.approx(wanted, abs=0.5)

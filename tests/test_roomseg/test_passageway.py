@@ -179,3 +179,26 @@ def test_tolerance_of_90_degrees_admits_all() -> None:
     parameters = LintelParameters(tolerance=np.pi / 2)
     weaker = maxima.max(axis=(1, 2)).min()
     assert passageway_feature(maxima, nodes, np.array([[0, 1]]), parameters) == [weaker]
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        FisheyeCamera(np.radians(160), 390.7, (512, 640), (256.0, 320.0)),
+        FisheyeCamera(np.radians(220), 537.3, (512, 640), (241.5, 371.5)),
+        FisheyeCamera(np.radians(190), 464.0, (300, 280), (130.0, 150.0)),
+    ],
+    ids=["160 degrees", "off the middle", "cropped"],
+)
+def test_a_lintel_is_found_alike_wherever_the_disc_lies(camera: FisheyeCamera) -> None:
+    """All have the simulated camera's scale, 464 px for 190°, so the same histogram."""
+    search = LintelSearch.of(camera, PAPER)
+    assert search.max_offset == pytest.approx(23.0, abs=0.01)
+    assert len(search.column) == pytest.approx(len(SEARCH.column), rel=0.01)
+    pose = (0.0, 0.0, 0.4)
+    here = orientation_maxima(view(pose, 0.12, camera), search, PAPER)
+    plain = orientation_maxima(view(pose, 0.12), SEARCH, PAPER)
+    assert here.max() == pytest.approx(plain.max(), rel=0.1)
+    assert np.unravel_index(here.argmax(), here.shape) == np.unravel_index(
+        plain.argmax(), plain.shape
+    )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 import shapely
 
-from dataset import REAL_CAMERA, SIMULATED_CAMERA
+from dataset import REAL_CAMERA, SIMULATED_CAMERA, CameraFlaws
 from scenes import load_apartment
 from scenes.passages import free_region
 from simulator import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS
@@ -52,7 +53,9 @@ def test_runs_begin_apart_or_look_elsewhere_on_free_floor(place):
 def test_the_stand_ins_have_the_real_camera_and_drift_more():
     for run in ALL:
         real = run.place.startswith("real")
-        assert run.camera == (REAL_CAMERA if real else SIMULATED_CAMERA)
+        lens = replace(run.camera, flaws=CameraFlaws())
+        assert lens == (REAL_CAMERA if real else SIMULATED_CAMERA)
+        assert (run.camera.flaws.full_well > 0.0) == real
     drifting, plain = (
         next(run.robot for run in ALL if run.place == name) for name in ("real1", "sim1")
     )

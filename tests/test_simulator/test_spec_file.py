@@ -41,7 +41,7 @@ def test_what_is_left_out_has_its_default(tmp_path):
         ("[robot]\nradius = 0.6", "robot.radius: 0.6, expected at most 0.3 m"),
         (f"[robot]\nradius = 1{400 * '0'}", "expected a number"),
         (f"[robot]\ncorrection_nodes = 1{40 * '0'}", "expected a whole number"),
-        ("[wheels]\nn = 3", "[wheels]: unknown, expected [robot] or [sensor]"),
+        ("[wheels]\nn = 3", "[wheels]: unknown, expected one of robot, sensor, camera"),
         ("robot = 3", "robot: 3, expected a table of settings"),
         ("[robot", "not a TOML text file"),
     ],
