@@ -48,6 +48,7 @@ class Summary:
     disc_diameter: float
     images_done: int
     preset: str
+    keeps_radiance: bool
     journal: bool
     room_count: int | None
     border_edge_count: int | None
@@ -66,7 +67,7 @@ def summarise(path: str | Path) -> Summary:
     path = Path(path)
     with MapFile(path) as file:
         topomap, rooms = file.topomap, file.rooms
-        images, preset = file.image_count, file.preset
+        images, preset, radiance = file.image_count, file.preset, file.keeps_radiance
     nodes, truth = topomap.nodes, topomap.ground_truth
     lengths = topomap.edge_lengths()
     return Summary(
@@ -94,6 +95,7 @@ def summarise(path: str | Path) -> Summary:
         disc_diameter=topomap.camera.disc_diameter,
         images_done=images,
         preset=preset,
+        keeps_radiance=radiance,
         journal=journal_path(path).exists(),
         room_count=None if truth is None else truth.room_count,
         border_edge_count=None if truth is None else int(truth.edge_is_border.sum()),

@@ -22,6 +22,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from dataset.errors import FormatError
+from dataset.image_checks import image_problems, radiance_problems
 from dataset.layout import (
     VISIT,
     decode_camera,
@@ -278,41 +279,9 @@ def _check_images(file: h5py.File, sound: Sound) -> Iterator[str]:
     if len(dark):
         yield f"/images/gain: {gain[dark[0]]} of node {dark[0]}, expected > 0"
     for index in done:
-        yield from _check_image(pixels, int(index))
+        yield from image_problems(pixels, int(index))
     if "images/radiance" in file:
-        yield from _check_radiance(file, pixels.shape, done)
-
-
-def _check_radiance(
-    file: h5py.File, shape: tuple[int, ...], done: NDArray[np.intp]
-) -> Iterator[str]:
-    """Image by image: all together may be larger than the memory."""
-    radiance = file["images/radiance"]
-    if radiance.shape != shape or radiance.dtype != np.float16:
-        yield f"/images/radiance: {radiance.dtype} {radiance.shape}, expected float16 {shape}"
-        return
-    exponent = file.get("images/radiance_exponent")
-    if exponent is None or exponent.dtype.kind != "i" or exponent.shape != shape[:1]:
-        yield f"/images/radiance_exponent: expected {shape[0]} whole numbers"
-    for index in done.tolist():
-        try:
-            good = bool(np.isfinite(radiance[index]).all())
-        except (OSError, RuntimeError, ValueError):
-            good = False
-        if not good:
-            yield f"/images/radiance: that of node {index} is damaged"
-
-
-def _check_image(pixels: h5py.Dataset, index: int) -> Iterator[str]:
-    if pixels.chunks is not None and pixels.chunks[0] == 1:
-        stored = pixels.id.get_chunk_info_by_coord((index, 0, 0))
-        if stored.byte_offset is None:
-            yield f"/images/done: node {index} is marked done, but has no image"
-            return
-    try:
-        pixels[index]
-    except (OSError, RuntimeError, ValueError):
-        yield f"/images/pixels: the image of node {index} is damaged"
+        yield from radiance_problems(file, pixels.shape, done)
 
 
 def _check_ground_truth(file: h5py.File, sound: Sound) -> Iterator[str]:

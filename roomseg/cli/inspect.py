@@ -132,6 +132,7 @@ def _unlike(settings: Settings, usual: Settings) -> str:
 def _images(summary: Summary) -> str:
     text = f"{summary.images_done} of {summary.node_count}"
     text += f", preset {summary.preset}" if summary.preset else ""
+    text += ", with their radiance" if summary.keeps_radiance else ""
     more = "; more in the journal, `roomseg render` goes on with them"
     return text + (more if summary.journal else "")
 

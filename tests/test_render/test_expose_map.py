@@ -55,7 +55,8 @@ def test_the_same_images_with_and_without_radiance_and_exposed_again(
     render_map(plain, preset=TINY)
     render_map(rich, preset=TINY, hdr=True)
     assert images(plain) == images(rich)
-    before, seen = rich.read_bytes(), []
+    before = rich.read_bytes()
+    seen: list[tuple[int, int]] = []
     assert expose_map(rich, on_progress=lambda *a: seen.append(a)) == N
     assert seen == [(i + 1, N) for i in range(N)]
     assert rich.read_bytes() == before
