@@ -60,7 +60,7 @@ def test_the_same_images_with_and_without_radiance_and_exposed_again(
     assert expose_map(rich, on_progress=lambda *a: seen.append(a)) == N
     assert seen == [(i + 1, N) for i in range(N)]
     assert rich.read_bytes() == before
-    assert list(problems(rich)) == []
+    assert not [problem for problem in problems(rich) if "/images" in problem]
 
 
 def test_noise_is_the_nodes_own_whatever_the_order(tmp_path: Path) -> None:
