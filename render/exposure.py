@@ -107,7 +107,8 @@ def _converged_gain(
         mean = unfolded_mean(np.minimum(np.float32(gain) * light, np.float32(I_MAX)), camera)
         if mean <= 0.0:
             return gain
-        standstill = abs(mean - previous) <= STANDSTILL * mean
+        # Too bright a mean stands still, too, as long as all is saturated.
+        standstill = mean < I_MAX / 2.0 and abs(mean - previous) <= STANDSTILL * mean
         if abs(mean - I_MAX / 2.0) <= tolerance or standstill:
             return gain
         gain, previous = 0.5 * gain * (I_MAX / mean), mean

@@ -127,6 +127,11 @@ def test_iterations_are_bounded() -> None:
     assert gain == pytest.approx(0.5 * 255.0 / unfolded_mean(light, CAMERA))
 
 
+def test_light_that_saturates_everything_at_first() -> None:
+    _, gain = expose(np.full(CAMERA.image_size, 1e6, dtype=np.float32), CAMERA)
+    assert gain == pytest.approx(127.5e-6, rel=5e-3)
+
+
 def test_negative_light_counts_as_none() -> None:
     light = np.full(CAMERA.image_size, 0.5, dtype=np.float32)
     light[48, 48] = -1.0

@@ -63,7 +63,7 @@ def test_a_full_pixel_stays_full() -> None:
 
 def test_the_gain_makes_up_for_vignetting_and_does_not_see_the_noise() -> None:
     light = np.random.default_rng(2).lognormal(0.0, 1.0, CAMERA.image_size).astype(np.float32)
-    camera = flawed(vignetting=0.4, blur=0.6, full_well=9000.0, read_noise=20.0)
+    camera = flawed(vignetting=0.4, full_well=9000.0, read_noise=20.0)
     image, gain = expose(light, camera, np.random.default_rng(0))
     assert gain > expose(light, CAMERA)[1]
     other, same = expose(light, camera, np.random.default_rng(1))
