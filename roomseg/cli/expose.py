@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from roomseg.cli.options import maps_argument
-from roomseg.cli.output import follow, progress_bar
+from roomseg.cli.output import follow, progress_bar, tell
 
 EXAMPLE = """\b
 Example:
@@ -43,4 +43,4 @@ def command(*, maps: tuple[Path, ...], robot_file: Path | None) -> None:
             # The blur is a part of the view, of however many pixels.
             scaled = None if robot is None else robot.scaled_flaws(camera)
             count = expose_map(path, scaled, on_progress=follow(bar, path.name))
-            click.echo(f"{path}: {count} images exposed")
+            tell(bar, f"{path}: {count} images exposed")

@@ -46,6 +46,7 @@ def test_image_and_centre_follow_the_disc(tmp_path):
         ("[camera]\nfield_of_view = 3", "did you mean field_of_view_deg"),
         ("[camera]\nblur = 'much'", "camera.blur: 'much', expected a number"),
         ("[camera]\nblur = true", "camera.blur: True, expected a number"),
+        (f"[camera]\nblur = 1{400 * '0'}", "expected a number"),
         ("[camera]\nblur = -1", "camera.blur: -1.0, expected a finite number >= 0"),
         ("[camera]\nimage_size = [512.0, 640]", "expected two whole numbers: rows, columns"),
         ("[camera]\nimage_size = [0, 640]", "camera.image_size: (0, 640), expected at least"),
