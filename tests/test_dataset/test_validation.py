@@ -212,7 +212,8 @@ CASES = {
     ),
     "disc outside the image": (
         attribute("camera", "disc_centre", [8.0, 9.0]),
-        "/camera: a disc of 16 px around (8.0, 9.0) leaves an image of (16, 16) px",
+        "/camera: a disc of 16 px around (8.0, 9.0) leaves an image of (16, 16) px, "
+        "in which there is room for it",
     ),
     "images of another size": (
         attribute("camera", "image_size", [16, 17]),

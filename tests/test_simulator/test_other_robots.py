@@ -18,7 +18,11 @@ from simulator.world import World
 from .plans import two_rooms
 
 PAGE = (Path(__file__).parents[2] / "docs" / "robot.md").read_text(encoding="utf-8")
-ROBOTS = [part.split("```")[0] for part in PAGE.split("```toml")[1:]]
+ROBOTS = [
+    text
+    for part in PAGE.split("```toml")[1:]
+    if "[camera]" not in (text := part.split("```")[0])
+]
 NAMES = ("wide", "around", "ahead")
 
 
