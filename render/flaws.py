@@ -62,4 +62,5 @@ def sensed(
     expected = np.minimum(exposed.astype(np.float64) * level, MOST_ELECTRONS)
     electrons = np.minimum(rng.poisson(expected), flaws.full_well)
     read = electrons + rng.normal(0.0, flaws.read_noise, electrons.shape)
-    return np.rint(np.clip(read / level, 0.0, 255.0)).astype(np.uint8)
+    grey: NDArray[np.uint8] = np.rint(np.clip(read / level, 0.0, 255.0)).astype(np.uint8)
+    return grey

@@ -35,6 +35,10 @@ __all__ = ["assemble"]
 
 LEAST_DRIVEN = 0.25
 """Floor that the robot's centre must have in every room, m²."""
+PLAY = 0.005
+"""How much wider than the robot's body a way must be that floor lies behind, m."""
+MOST_TIGHT = 0.1
+"""Floor that may lie behind ways without that play, m²."""
 LOWERED = ("bathroom", "corridor", "storage")
 """Kinds that may have a lower ceiling than the rest."""
 
@@ -274,13 +278,25 @@ def _steps(
     return tuple(blocks)
 
 
+def _largest(apartment: Apartment, radius: float) -> Polygon:
+    """Where a disc of that radius can be without a break; empty if nowhere."""
+    free = free_region(apartment, radius)
+    return max(shapely.get_parts(free), key=shapely.area, default=Polygon())
+
+
 def _start(apartment: Apartment, plan: FloorPlan, entrance: Doorway) -> Start | None:
-    """Free floor nearest to the entrance from which every room is reached; None without."""
+    """Free floor nearest to the entrance from which every room is reached.
+
+    None if there is none, or if much floor lies behind a gap as wide as the robot: whether a
+    map knows such a gap is a matter of millimetres.
+    """
     # A little wider than the robot, so that rounding does not put it into a wall.
-    free = free_region(apartment, ROBOT_RADIUS + 0.01)
-    home = max(shapely.get_parts(free), key=shapely.area, default=Polygon())
+    home = _largest(apartment, ROBOT_RADIUS + 2.0 * PLAY)
     first = home.intersection(plan.rooms[entrance.first])
     if any(home.intersection(room).area < LEAST_DRIVEN for room in plan.rooms):
+        return None
+    with_play = _largest(apartment, ROBOT_RADIUS + PLAY).buffer(1.2 * PLAY)
+    if _largest(apartment, ROBOT_RADIUS).difference(with_play).area > MOST_TIGHT:
         return None
     x, y = shapely.get_coordinates(shapely.shortest_line(first, shapely.Point(entrance.position)))[
         0
