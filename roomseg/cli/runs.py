@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from dataset import FisheyeCamera, TopoMap
     from scenes import Apartment
@@ -166,12 +166,18 @@ def _report(run: Run, topomap: TopoMap, place: Apartment) -> CoverageReport:
     return coverage_report(topomap, place, lane_spacing=run.robot.lane_spacing)
 
 
+def _same_pose(a: Sequence[float], b: Sequence[float]) -> bool:
+    """Whether two poses agree but for rounding; a full turn makes no difference."""
+    turn = np.angle(np.exp(1j * (a[2] - b[2])))
+    return bool(np.hypot(a[0] - b[0], a[1] - b[1]) < 1e-6 and abs(turn) < 1e-6)
+
+
 def _check_same(run: Run, topomap: TopoMap, place: Apartment, camera: FisheyeCamera) -> None:
     """Refuse to take the map of another apartment or seed for the one that is wanted."""
     from dataset import RoomsegError
     from simulator import settings_of
 
-    x, y, _ = _start(run, place)
+    start = _start(run, place)
     begin = None if topomap.path is None else topomap.path.true_pose[0]
     same = {
         "apartment": topomap.scene == place.model_dump_json(),
@@ -179,7 +185,7 @@ def _check_same(run: Run, topomap: TopoMap, place: Apartment, camera: FisheyeCam
         "robot": topomap.robot == settings_of(run.robot),
         "robot's sensors": topomap.sensor == settings_of(run.sensor),
         "camera": camera == replace(run.camera, height=run.sensor.camera_height),
-        "start": begin is None or bool(np.hypot(begin[0] - x, begin[1] - y) < 1e-6),
+        "start": begin is None or _same_pose(begin, start),
     }
     if not all(same.values()):
         what = next(name for name, agrees in same.items() if not agrees)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from roomseg.cli.options import jobs_option, json_option, seed_option
+from roomseg.cli.options import FiniteRange, jobs_option, json_option, seed_option
 from roomseg.cli.output import counted, follow, progress_bar, tell, write_json
 from roomseg.cli.runs import Outcome, Run, attempt, lost, recognise, run_seed
 
@@ -48,6 +48,12 @@ Example:
     is_flag=True,
     help="Begin each run at a pose of its own, anywhere within reach of the apartment's start.",
 )
+@click.option(
+    "--start",
+    type=(FiniteRange(), FiniteRange(), FiniteRange()),
+    metavar="X Y HEADING",
+    help="Begin at this pose instead of the apartment's: m, m, degrees.",
+)
 @seed_option
 @click.option(
     "-o",
@@ -79,6 +85,7 @@ def command(
     reference_set: bool,
     runs: int,
     random_starts: bool,
+    start: tuple[float, float, float] | None,
     seed: int,
     output: Path,
     robot_file: Path | None,
@@ -98,14 +105,14 @@ def command(
 
     _check_date(created)
     _check_reference_set(click.get_current_context())
+    begin = _start(start, random_starts, apartments)
     robot, sensor = read_specs(robot_file) if robot_file else (RobotSpec(), SensorSpec())
     camera = _camera(robot_file)
     sources, problems = _by_name(apartments)
     if reference_set:
         wanted = _reference_runs(output, created)
     else:
-        start: Literal["random"] | None = "random" if random_starts else None
-        usual = Run("", "", 0, created, output, robot, sensor, camera, start)
+        usual = Run("", "", 0, created, output, robot, sensor, camera, begin)
         wanted = [*_runs_in(sources, usual, runs, seed)]
     there = {run.output for run in wanted if not force and run.output.exists()}
     outcomes = [*_recognise([r for r in wanted if r.output in there], judged=json_file is not None)]
@@ -119,6 +126,18 @@ def command(
         made = sum(outcome.problem is None for outcome in outcomes)
         click.echo(f"{output}: {counted(made, 'map')}, {len(there)} of them there before")
     _tell(problems)
+
+
+def _start(
+    start: tuple[float, float, float] | None, random_starts: bool, apartments: Sequence[str]
+) -> tuple[float, float, float] | Literal["random"] | None:
+    """Where the runs begin: x m, y m and the heading in rad, drawn, or at the base."""
+    if start is None:
+        return "random" if random_starts else None
+    if random_starts or len(apartments) > 1:
+        other = "--random-starts" if random_starts else "several apartments"
+        raise click.UsageError(f"--start does not go with {other}.")
+    return start[0], start[1], radians(start[2])
 
 
 def _camera(robot_file: Path | None) -> FisheyeCamera:
@@ -286,6 +305,7 @@ def _check_reference_set(context: click.Context) -> None:
         return
     given = click.core.ParameterSource.COMMANDLINE
     others = {"apartments": "APARTMENT", "runs": "--runs", "random_starts": "--random-starts"}
+    others["start"] = "--start"
     for name, text in (others | {"seed": "--seed", "robot_file": "--robot"}).items():
         if context.get_parameter_source(name) == given and context.params[name] not in (None, ()):
             raise click.UsageError(f"{text} does not go with --reference-set, which says it all.")

@@ -218,6 +218,24 @@ def test_random_starts_are_reachable_and_repeatable(folder, capsys):
     assert "two-run1.h5: already there, but of another start" in capsys.readouterr().err
 
 
+def test_a_run_that_began_with_another_heading_is_another_run(folder, capsys):
+    write_rooms()
+    place = apartment_from_json(Path("two.json").read_text())
+    heading = place.start.heading_deg
+
+    def pose(heading: float) -> list[str]:
+        return [str(number) for number in (*place.start.position, heading)]
+
+    succeed("simulate", "two.json", "--start", *pose(heading), "-o", "a")
+    succeed("simulate", "two.json", "-o", "a")  # the same: the base's own pose
+    succeed("simulate", "two.json", "--start", *pose(heading + 360), "-o", "a")
+    wall = ("--start", "-3", "-3", "0")
+    assert main(["simulate", "two.json", *wall, "-o", "b"]) == 2
+    assert "start" in capsys.readouterr().err
+    assert main(["simulate", "two.json", "--start", *pose(heading + 90), "-o", "a"]) == 2
+    assert "two-run1.h5: already there, but of another start" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_ctrl_c_keeps_what_is_done(folder, jobs):
     write_rooms()

@@ -19,9 +19,7 @@ from .plans import two_rooms
 
 PAGE = (Path(__file__).parents[2] / "docs" / "robot.md").read_text(encoding="utf-8")
 ROBOTS = [
-    text
-    for part in PAGE.split("```toml")[1:]
-    if "[camera]" not in (text := part.split("```")[0])
+    text for part in PAGE.split("```toml")[1:] if "[camera]" not in (text := part.split("```")[0])
 ]
 NAMES = ("wide", "around", "ahead")
 
