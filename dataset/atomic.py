@@ -20,13 +20,15 @@ __all__ = ["locked", "replacing", "unwritten", "write_text"]
 
 
 @contextmanager
-def locked(path: str | Path) -> Iterator[None]:
+def locked(path: str | Path, *, wait: bool = False) -> Iterator[None]:
     """Hold the one writer's lock of a file.
 
     Parameters
     ----------
     path : path
         The file that will be written; it need not exist yet.
+    wait : bool
+        For another writer to finish, instead of raising.
 
     Raises
     ------
@@ -36,7 +38,7 @@ def locked(path: str | Path) -> Iterator[None]:
     # Through a link or directly: one file, one lock.
     lock = Path(f"{Path(path).resolve()}.lock")
     try:
-        descriptor = _open_lock(lock, Path(path))
+        descriptor = _open_lock(lock, Path(path), wait)
     except OSError as error:
         raise unwritten(path, error) from error
     try:
@@ -46,12 +48,12 @@ def locked(path: str | Path) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _open_lock(lock: Path, path: Path) -> int:
+def _open_lock(lock: Path, path: Path, wait: bool) -> int:
     """Take the lock; a lock file removed by its last holder meanwhile is made again."""
     while True:
         descriptor = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except OSError as error:
             os.close(descriptor)
             raise RoomsegError(

@@ -24,10 +24,12 @@ from scenes.mesh import Mesh, apartment_mesh
 
 __all__ = [
     "add_camera",
+    "add_layer",
     "add_mesh",
     "build_materials",
     "build_scene",
     "empty_scene",
+    "float_image",
     "place_camera",
     "render_window",
     "surface_area",
@@ -95,12 +97,29 @@ def add_mesh(
         mesh.materials.append(material)
     mesh.polygons.foreach_set("material_index", shape.material_index.astype(np.int32))
     uv = surface_coordinates(shape.vertices, shape.triangles)
-    layer = mesh.uv_layers.new(name="metres")
-    layer.data.foreach_set("uv", np.ascontiguousarray(uv, dtype=np.float32).ravel())
+    add_layer(mesh, "metres", uv)
     mesh.update()
     made = bpy.data.objects.new(name, mesh)
     scene.collection.objects.link(made)
     return made
+
+
+def add_layer(mesh: Any, name: str, uv: NDArray[np.float64]) -> None:
+    """Give a Blender mesh one more UV layer, (t, 3, 2)."""
+    layer = mesh.uv_layers.new(name=name)
+    layer.data.foreach_set("uv", np.ascontiguousarray(uv, dtype=np.float32).ravel())
+
+
+def float_image(bpy: Any, name: str, values: NDArray[np.float32]) -> Any:
+    """A Blender image of linear values (rows, columns, 3); row 0 is at the bottom."""
+    rows, columns, _ = values.shape
+    image = bpy.data.images.new(name, columns, rows, alpha=True, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.ones((rows, columns, 4), dtype=np.float32)
+    pixels[..., :3] = values
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
 
 
 def render_window(camera: FisheyeCamera) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -169,8 +188,11 @@ def surface_area(mesh: Mesh, slot: int) -> float:
     return max(0.5 * float(np.linalg.norm(across, axis=1).sum()), 1e-6)
 
 
-def build_materials(bpy: Any, apartment: Apartment, mesh: Mesh) -> list[Any]:
-    """Blender materials of the mesh's slots; the bodies of lamps that are on glow."""
+def build_materials(bpy: Any, apartment: Apartment, mesh: Mesh, light: Any = None) -> list[Any]:
+    """Blender materials of the mesh's slots; the bodies of lamps that are on glow.
+
+    With ``light``, an image of baked light, the others show it (`render.shading`).
+    """
     made = []
     for slot, name in enumerate(mesh.materials):
         if name.startswith(LAMP_PREFIX):
@@ -180,7 +202,7 @@ def build_materials(bpy: Any, apartment: Apartment, mesh: Mesh) -> list[Any]:
                 warmth = apartment.lamps[lamp].temperature
                 made.append(build_glow(bpy, name, warmth, radiance))
                 continue
-        made.append(build_material(bpy, name, resolve(apartment, name)))
+        made.append(build_material(bpy, name, resolve(apartment, name), light))
     return made
 
 

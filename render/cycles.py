@@ -28,6 +28,7 @@ from render.presets import Preset
 __all__ = [
     "Device",
     "FrameSource",
+    "Frames",
     "configure",
     "luminance",
     "render_through_file",
@@ -155,6 +156,34 @@ class _Capture:
     works: bool = True
 
 
+class Frames:
+    """What the camera of a scene sees, from memory where that is possible."""
+
+    def __init__(self, bpy: Any, scene: Any) -> None:
+        self._bpy = bpy
+        self._scene = scene
+        self._capture = _Capture()
+        _wrap_engine(bpy, self._capture)
+
+    def render(self) -> NDArray[np.float32]:
+        """Linear pixels (rows, columns, channels), top row first.
+
+        Raises
+        ------
+        RoomsegError
+            If Blender returned without a frame.
+        """
+        self._capture.pixels = None
+        if not self._capture.works:
+            return render_through_file(self._bpy, self._scene)
+        self._bpy.ops.render.render()
+        if self._capture.pixels is None:
+            if self._capture.works:
+                raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
+            return render_through_file(self._bpy, self._scene)
+        return self._capture.pixels
+
+
 class FrameSource:
     """Renders frames of one prepared scene.
 
@@ -173,9 +202,8 @@ class FrameSource:
         self._scene = scene
         self._camera = camera
         self._seed = seed
-        self._capture = _Capture()
         self._outside = camera.pixel_zenith() > 0.5 * camera.field_of_view
-        _wrap_engine(bpy, self._capture)
+        self._frames = Frames(bpy, scene)
 
     def colour(self, pose: NDArray[np.float64], index: int = 0) -> NDArray[np.float32]:
         """Linear RGB (h, w, 3) at ``pose`` (`render.blender.place_camera`); 0 outside the disc.
@@ -188,23 +216,12 @@ class FrameSource:
         place_camera(self._scene.camera, pose, self._camera.height)
         self._scene.cycles.seed = (self._seed + index) % 2**31
         self._scene.update_tag()
-        square = self._render()
+        square = self._frames.render()
         return self._in_image(square)
 
     def radiance(self, pose: NDArray[np.float64], index: int = 0) -> NDArray[np.float32]:
         """Monochrome linear image (h, w) at ``pose``; see `colour`."""
         return luminance(self.colour(pose, index))
-
-    def _render(self) -> NDArray[np.float32]:
-        self._capture.pixels = None
-        if not self._capture.works:
-            return render_through_file(self._bpy, self._scene)
-        self._bpy.ops.render.render()
-        if self._capture.pixels is None:
-            if self._capture.works:
-                raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
-            return render_through_file(self._bpy, self._scene)
-        return self._capture.pixels
 
     def _in_image(self, square: NDArray[np.float32]) -> NDArray[np.float32]:
         """The rendered square at its place in the camera image; black elsewhere."""

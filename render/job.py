@@ -91,6 +91,11 @@ def render_map(
     """
     topomap = read_map(path)
     apartment = _apartment(path, topomap)
+    if preset.bake is not None and apartment.scene_file is not None:
+        raise FormatError(
+            f"{path}: preset {preset.name!r}: cannot bake the light of a 3D scene of its own yet; "
+            f"expected 'reference', 'draft' or 'quick'"
+        )
     camera = _camera(path, topomap, preset)
     with FrameJournal(path, camera, preset.name, keep_radiance=hdr) as journal:
         try:

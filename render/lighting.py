@@ -47,15 +47,22 @@ SUN_DIAMETER = float(np.radians(0.53))
 WINDOW_INSET = 0.01
 
 
-def add_lighting(bpy: Any, scene: Any, apartment: Apartment) -> None:
-    """Add sun, sky and windows of ``apartment`` to the Blender ``scene``."""
+def add_lighting(
+    bpy: Any, scene: Any, apartment: Apartment, *, windows_gleam: bool = False
+) -> None:
+    """Add sun, sky and windows of ``apartment`` to the Blender ``scene``.
+
+    ``windows_gleam``: what shines mirrors the lights in the windows instead of the sky
+    behind them. That is the same, and much quieter where gloss is broad: lights are
+    aimed at, the sky is met by chance.
+    """
     light = apartment.lighting
-    daylight = SHARES[light.source][1]
-    _set_sky(bpy, scene, daylight * light.sky_strength)
+    strength = SHARES[light.source][1] * light.sky_strength
+    _set_sky(bpy, scene, strength, gleams=not windows_gleam)
     _add_sun(bpy, scene, apartment)
-    if daylight * light.sky_strength > 0.0:
+    if strength > 0.0:
         for window in apartment.windows:
-            _add_window(bpy, scene, apartment, window, daylight * light.sky_strength)
+            _add_window(bpy, scene, apartment, window, strength, gleams=windows_gleam)
 
 
 def add_outdoor_light(bpy: Any, scene: Any, apartment: Apartment, *, sky: bool) -> None:
@@ -118,7 +125,9 @@ def _add_sun(bpy: Any, scene: Any, apartment: Apartment) -> None:
     made.rotation_euler = (0.0, zenith, np.radians(light.sun_azimuth_deg))
 
 
-def _set_sky(bpy: Any, scene: Any, strength: float, *, lights: bool = False) -> None:
+def _set_sky(
+    bpy: Any, scene: Any, strength: float, *, lights: bool = False, gleams: bool = True
+) -> None:
     """The sky, W/m²/sr; mostly it is only seen, and the window lights do the lighting."""
     world = bpy.data.worlds.new("sky")
     if world.node_tree is None:
@@ -134,9 +143,9 @@ def _set_sky(bpy: Any, scene: Any, strength: float, *, lights: bool = False) -> 
         background.inputs["Strength"].default_value = strength
     else:
         path = tree.nodes.new("ShaderNodeLightPath")
-        seen = add_math(
-            tree, "MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Glossy Ray"]
-        )
+        seen = path.outputs["Is Camera Ray"]
+        if gleams:
+            seen = add_math(tree, "MAXIMUM", seen, path.outputs["Is Glossy Ray"])
         tree.links.new(add_math(tree, "MULTIPLY", seen, strength), background.inputs["Strength"])
     output = tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(background.outputs[0], output.inputs["Surface"])
@@ -181,7 +190,13 @@ def window_frame(
 
 
 def _add_window(
-    bpy: Any, scene: Any, apartment: Apartment, window: Window, strength: float
+    bpy: Any,
+    scene: Any,
+    apartment: Apartment,
+    window: Window,
+    strength: float,
+    *,
+    gleams: bool,
 ) -> None:
     """The sky's light through one window: an area light that no camera sees."""
     frame = window_frame(apartment, window)
@@ -190,7 +205,7 @@ def _add_window(
     middle, inward = frame
     made = _add_light(bpy, scene, "AREA", "window")
     made.visible_camera = False
-    made.visible_glossy = False
+    made.visible_glossy = gleams
     made.location = (*middle, 0.5 * (window.sill_height + window.head_height))
     # Turned upright (x stays horizontal), -z of the light must point along `inward`.
     turn = float(np.arctan2(inward[1], inward[0])) - np.pi / 2.0

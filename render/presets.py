@@ -1,4 +1,4 @@
-"""How much light is traced for an image: from the reference to a quick preview.
+"""How light is found for an image: traced for each, or baked once for all.
 
 Raw path tracing is useless for the lintel search, whose Scharr operator takes
 noise for edges (a thousand times at 16 samples); every preset therefore denoises.
@@ -8,11 +8,37 @@ The figures behind the choice are in ``docs/render.md``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
 
-__all__ = ["PRESETS", "Preset", "preset_named"]
+__all__ = ["PRESETS", "Bake", "Preset", "preset_from", "preset_named"]
+
+
+@dataclass(frozen=True)
+class Bake:
+    """How finely the light of an apartment is baked (`render.baking`).
+
+    Attributes
+    ----------
+    samples : int
+        Paths per texel.
+    overhead, upright, floor, doorway : float
+        Side of a texel on what looks down (ceilings), sideways, on floors, and on the
+        lintels and frames of passages, m.
+    """
+
+    samples: int = 64
+    overhead: float = 0.02
+    upright: float = 0.03
+    floor: float = 0.05
+    doorway: float = 0.012
+
+    def scaled(self, factor: float) -> Bake:
+        """The same with texels ``factor`` times as large."""
+        sizes = (self.overhead, self.upright, self.floor, self.doorway)
+        return Bake(self.samples, *(factor * size for size in sizes))
 
 
 @dataclass(frozen=True)
@@ -32,6 +58,8 @@ class Preset:
         Longest path; also bounds diffuse bounces.
     glossy_bounces : int
         Mirror-like reflections within a path.
+    bake : Bake or None
+        The light of matte surfaces is baked, and only the rest traced.
     """
 
     name: str
@@ -41,6 +69,7 @@ class Preset:
     max_bounces: int = 8
     diffuse_bounces: int = 4
     glossy_bounces: int = 4
+    bake: Bake | None = None
 
     def camera(self, camera: FisheyeCamera) -> FisheyeCamera:
         """The camera that this preset renders for a map with ``camera``."""
@@ -51,12 +80,19 @@ PRESETS: dict[str, Preset] = {
     preset.name: preset
     for preset in (
         Preset("reference", samples=16),
+        Preset("fast", 4, max_bounces=2, diffuse_bounces=0, glossy_bounces=2, bake=Bake()),
         Preset("draft", samples=4),
         Preset("quick", samples=2),
         Preset("preview", samples=4, disc_diameter=232),
     )
 }
 """The presets by name."""
+
+
+def preset_from(fields: dict[str, Any]) -> Preset:
+    """The preset whose `dataclasses.asdict` is ``fields``."""
+    bake = fields.pop("bake")
+    return Preset(**fields, bake=None if bake is None else Bake(**bake))
 
 
 def preset_named(name: str) -> Preset:

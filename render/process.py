@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
 from render.cycles import Device
-from render.presets import Preset
+from render.presets import Preset, preset_from
 from scenes.apartment import Apartment
 
 __all__ = ["Job", "RenderProcess", "start_child"]
@@ -64,7 +64,7 @@ class Job:
         return cls(
             apartment=Apartment.model_validate(fields.pop("apartment")),
             camera=FisheyeCamera.of(fields.pop("camera")),
-            preset=Preset(**fields.pop("preset")),
+            preset=preset_from(fields.pop("preset")),
             **fields,
         )
 

@@ -18,17 +18,22 @@ from render.nodes import Socket, Tree, add_node
 from render.patterns import pattern_colour
 from scenes.apartment import Material
 
-__all__ = ["build_glow", "build_material"]
+__all__ = ["ATLAS", "build_glow", "build_material"]
 
 MATTE_ROUGHNESS = 0.65
 """Surfaces at least this rough are purely diffuse."""
 GLASS_INDEX = 1.5
+GLOSS_INDEX = 1.5
+"""Of Principled surfaces."""
+ATLAS = "atlas"
+"""The UV layer of baked light."""
 CLEAR_ROUGHNESS = 0.05
 """Glass that is rougher scatters what passes through it."""
 WHITE = (1.0, 1.0, 1.0, 1.0)
+BLACK = (0.0, 0.0, 0.0, 1.0)
 
 
-def build_material(bpy: Any, name: str, material: Material) -> Any:
+def build_material(bpy: Any, name: str, material: Material, light: Any = None) -> Any:
     """Blender material ``name`` with the pattern, scale and gloss of ``material``.
 
     Parameters
@@ -36,6 +41,9 @@ def build_material(bpy: Any, name: str, material: Material) -> Any:
     bpy : module
     name : str
     material : Material
+    light : bpy.types.Image, optional
+        Baked light (`render.baking`), in the UV layer `ATLAS`: what is matte then shines
+        by itself, and only gloss is left to trace.
 
     Returns
     -------
@@ -43,8 +51,13 @@ def build_material(bpy: Any, name: str, material: Material) -> Any:
     """
     made, tree = _empty(bpy, name)
     colour = pattern_colour(tree, material)
+    if light is None:
+        surface = _surface(tree, material, colour)
+    else:
+        made.cycles.emission_sampling = "NONE"
+        surface = _lit_surface(tree, material, colour, _reflected(tree, colour, light))
     output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(_surface(tree, material, colour), output.inputs["Surface"])
+    tree.links.new(surface, output.inputs["Surface"])
     return made
 
 
@@ -84,11 +97,54 @@ def _surface(tree: Tree, material: Material, colour: Socket) -> Socket:
     return shader.outputs["BSDF"]
 
 
-def _pane(tree: Tree, roughness: float, colour: Socket) -> Socket:
+def _reflected(tree: Tree, colour: Socket, light: Any) -> Socket:
+    """Colour times the light baked at each point."""
+    where = add_node(tree, "ShaderNodeUVMap")
+    where.uv_map = ATLAS
+    texel = add_node(tree, "ShaderNodeTexImage", Vector=where.outputs["UV"])
+    texel.image = light
+    texel.extension = "EXTEND"
+    product = tree.nodes.new("ShaderNodeVectorMath")
+    product.operation = "MULTIPLY"
+    tree.links.new(colour, product.inputs[0])
+    tree.links.new(texel.outputs["Color"], product.inputs[1])
+    return product.outputs[0]
+
+
+def _lit_surface(tree: Tree, material: Material, colour: Socket, glow: Socket) -> Socket:
+    """As `_surface`, but matte light ``glow`` is not traced.
+
+    Principled lets a coat, not the specular layer, dim what shines below: the gloss of
+    a surface is therefore its coat, which is the same lobe.
+    """
+    if material.pattern == "glass":
+        return _pane(tree, material.roughness, colour, glow)
+    if material.pattern == "metal":
+        return _surface(tree, material, colour)
+    if material.roughness >= MATTE_ROUGHNESS:
+        return add_node(tree, "ShaderNodeEmission", Color=glow).outputs[0]
+    shader = add_node(
+        tree,
+        "ShaderNodeBsdfPrincipled",
+        Base_Color=BLACK,
+        Specular_IOR_Level=0.0,
+        Coat_Weight=1.0,
+        Coat_Roughness=material.roughness,
+        Coat_IOR=GLOSS_INDEX,
+        Emission_Color=glow,
+        Emission_Strength=1.0,
+    )
+    return shader.outputs["BSDF"]
+
+
+def _pane(tree: Tree, roughness: float, colour: Socket, glow: Socket | None = None) -> Socket:
     """Transparent with a Fresnel reflection; frosted where it is rough."""
     through = add_node(tree, "ShaderNodeBsdfTransparent", Color=colour).outputs["BSDF"]
     if roughness > CLEAR_ROUGHNESS:
-        scattered = add_node(tree, "ShaderNodeBsdfTranslucent", Color=colour).outputs["BSDF"]
+        if glow is None:
+            scattered = add_node(tree, "ShaderNodeBsdfTranslucent", Color=colour).outputs["BSDF"]
+        else:
+            scattered = add_node(tree, "ShaderNodeEmission", Color=glow).outputs[0]
         through = _mix(tree, min(1.0, 2.0 * roughness), through, scattered)
     mirror = add_node(tree, "ShaderNodeBsdfAnisotropic", Color=WHITE, Roughness=roughness)
     fresnel = add_node(tree, "ShaderNodeFresnel", IOR=GLASS_INDEX).outputs[0]

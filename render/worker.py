@@ -25,10 +25,14 @@ from typing import Any, BinaryIO, NoReturn
 import numpy as np
 
 from dataset.errors import RoomsegError
+from render.baked_scene import build_baked_scene
+from render.baking import bake, lay_out_apartment
 from render.blender import add_camera, build_scene
 from render.cycles import FrameSource, configure, select_device
 from render.libraries import load_bpy
+from render.light_store import bake_path, stored_light
 from render.own_scene import open_own_scene
+from render.presets import Bake
 from render.process import Job
 from scenes.errors import SceneError
 
@@ -43,11 +47,25 @@ def _prepare(line: str) -> tuple[FrameSource, str]:
     if own:
         scene = open_own_scene(bpy, job.apartment, job.folder)
         add_camera(bpy, scene, job.camera)
+    elif job.preset.bake is not None:
+        scene = _baked(bpy, job, job.preset.bake)
     else:
         scene = build_scene(bpy, job.apartment, job.camera)
     configure(scene, job.preset, job.threads, glass=own)
     used = select_device(bpy, scene, job.device)
     return FrameSource(bpy, scene, job.camera, job.seed), used
+
+
+def _baked(bpy: Any, job: Job, settings: Bake) -> Any:
+    """The job's scene with its light baked, now or by an earlier job."""
+    atlas = lay_out_apartment(job.apartment, settings)
+    path = bake_path(job.apartment, settings, job.folder, bpy.app.version_string)
+    light = stored_light(
+        path,
+        atlas.shape,
+        lambda: bake(bpy, job.apartment, settings, threads=job.threads, device=job.device),
+    )
+    return build_baked_scene(bpy, job.apartment, job.camera, atlas, light)
 
 
 def _answer(channel: BinaryIO, head: dict[str, Any], data: bytes = b"") -> None:

@@ -138,7 +138,7 @@ def rooms(bpy: Any) -> dict[str, np.ndarray]:
     found = {"room": ahead, "room_turned": source.radiance(np.array([0.0, 0.0, np.pi / 2]), 1)}
     found["room_again"] = source.radiance(np.array([0.0, 0.0, 0.0]), 0)
     found["room_other_index"] = source.radiance(np.array([0.0, 0.0, 0.0]), 7)
-    source._capture.works = False
+    source._frames._capture.works = False
     found["room_through_file"] = source.radiance(np.array([0.0, 0.0, 0.0]), 0)
     lit = build_scene(bpy, boxed_room((0.0, 2.1), "interior"), camera)
     configure(lit, Preset("probe", samples=4))

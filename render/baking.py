@@ -1,0 +1,160 @@
+"""The diffuse light of an apartment, baked once by Cycles into one picture.
+
+A *bake* holds, for every texel of `render.charts`, the radiance that a white matte
+surface would have there. It is made twice. First coarsely, by path tracing in the very
+scene that the path-traced presets render, and denoised. Then finely: the apartment shows
+the coarse bake, and every texel gathers what it sees and the light of lamps, windows and
+sun. Paths of one bounce are short and quiet: what is left of the noise is a third of
+that of whole paths, and the errors of the first bake are averaged away.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from dataset.camera import SIMULATED_CAMERA
+from render.baked_scene import build_baked_scene
+from render.blender import add_layer, add_mesh, build_scene
+from render.charts import Atlas, lay_out
+from render.cycles import Device, configure, select_device
+from render.denoising import continued, denoise
+from render.presets import Bake, Preset
+from render.shading import ATLAS, build_material
+from scenes.apartment import Apartment, Material
+from scenes.mesh import Mesh, apartment_mesh
+from scenes.openings import place
+from scenes.solids import apartment_solids, cutter, floor_region
+
+__all__ = ["bake", "lay_out_apartment"]
+
+COARSE = 2.0
+"""Texels of the first bake, in texels of the second."""
+FIRST = Preset("first bake", samples=32, diffuse_bounces=3)
+"""One bounce less than `reference`: the second bake adds it."""
+EYE_LEVEL = 0.3
+"""No robot's camera is higher, m: what looks up above it is seen in reflections only."""
+UNSEEN = 5.0
+"""Texels of that, in texels of uprights."""
+OUTSIDE = 20.0
+"""Texels outdoors, in texels of uprights."""
+FRAME_REACH = 0.15
+"""How far frames reach beside a passage, m."""
+Floats = NDArray[np.float64]
+Picture = NDArray[np.float32]
+White = Material(colour=(1.0, 1.0, 1.0), roughness=1.0)
+
+
+def lay_out_apartment(apartment: Apartment, settings: Bake) -> Atlas:
+    """The charts of the mesh of `scenes.mesh.apartment_mesh`."""
+    mesh = apartment_mesh(apartment)
+    texel = _needed_texels(apartment, mesh, settings)
+    return lay_out(mesh, apartment_solids(apartment), texel)
+
+
+def bake(
+    bpy: Any,
+    apartment: Apartment,
+    settings: Bake,
+    *,
+    threads: int | None = None,
+    device: Device = "auto",
+) -> Picture:
+    """Radiance (rows, columns, 3) of white matte surfaces all over the apartment's atlas.
+
+    The Blender scene is lost.
+    """
+
+    def lit(scene: Any, atlas: Atlas, preset: Preset) -> Picture:
+        configure(scene, preset, threads)
+        select_device(bpy, scene, device)
+        raw, covered = _gather(bpy, scene, atlas)
+        noise = continued(raw, covered, atlas.boxes, np.random.default_rng(0))
+        clean = denoise(bpy, noise, atlas, threads)
+        return continued(clean, covered, atlas.boxes)
+
+    coarse = lay_out_apartment(apartment, settings.scaled(COARSE))
+    first = lit(build_scene(bpy, apartment, SIMULATED_CAMERA), coarse, FIRST)
+    scene = build_baked_scene(bpy, apartment, SIMULATED_CAMERA, coarse, first)
+    second = Preset("second bake", settings.samples, max_bounces=3, diffuse_bounces=1)
+    return lit(scene, lay_out_apartment(apartment, settings), second)
+
+
+def _needed_texels(apartment: Apartment, mesh: Mesh, settings: Bake) -> Floats:
+    """Side of a texel that each triangle needs, m, shape (t,)."""
+    corners = mesh.vertices[mesh.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
+    texel = np.full(len(corners), settings.upright)
+    texel[normal[:, 2] < -0.7] = settings.overhead
+    texel[_at_doorways(apartment, corners)] = settings.doorway
+    upward = normal[:, 2] > 0.7
+    texel[upward] = settings.floor
+    texel[upward & (corners[..., 2].min(axis=1) > EYE_LEVEL)] = UNSEEN * settings.upright
+    outside = ~_indoors(apartment, corners.mean(axis=1) + 0.02 * normal)
+    texel[outside] = OUTSIDE * settings.upright
+    return texel
+
+
+def _at_doorways(apartment: Apartment, corners: Floats) -> NDArray[np.bool_]:
+    """Which triangles (t, 3, 3) are lintels and frames of passages."""
+    places = [place(apartment, p.position, p.width) for p in apartment.passages]
+    around = shapely.union_all([cutter(opening, FRAME_REACH) for opening in places])
+    shapely.prepare(around)
+    inside = shapely.intersects_xy(around, corners[..., 0], corners[..., 1])
+    found: NDArray[np.bool_] = inside.all(axis=1)
+    return found
+
+
+def _indoors(apartment: Apartment, points: Floats) -> NDArray[np.bool_]:
+    """Whether points (n, 3) are in a room or an opening."""
+    openings = [cutter(place(apartment, w.position, w.width)) for w in apartment.windows]
+    inside = shapely.union_all([floor_region(apartment), *openings])
+    shapely.prepare(inside)
+    highest = max(room.ceiling_height for room in apartment.rooms)
+    found: NDArray[np.bool_] = shapely.intersects_xy(inside, points[:, 0], points[:, 1])
+    return found & (points[:, 2] > 0.0) & (points[:, 2] < highest)
+
+
+def _gather(bpy: Any, scene: Any, atlas: Atlas) -> tuple[Picture, NDArray[np.bool_]]:
+    """What the receivers got, row 0 first, and which texels they cover."""
+    rows, columns = atlas.shape
+    image = bpy.data.images.new("gathered", columns, rows, alpha=True, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    receivers = _add_receivers(bpy, scene, atlas, image)
+    bpy.ops.object.select_all(action="DESELECT")
+    receivers.select_set(True)
+    bpy.context.view_layer.objects.active = receivers
+    bpy.ops.object.bake(
+        type="DIFFUSE",
+        pass_filter={"DIRECT", "INDIRECT"},
+        margin=0,
+        use_clear=True,
+        target="IMAGE_TEXTURES",
+        uv_layer=ATLAS,
+    )
+    flat = np.empty(rows * columns * 4, dtype=np.float32)
+    image.pixels.foreach_get(flat)
+    pixels = flat.reshape(rows, columns, 4)
+    return np.ascontiguousarray(pixels[..., :3]), pixels[..., 3] > 0.5
+
+
+def _add_receivers(bpy: Any, scene: Any, atlas: Atlas, image: Any) -> Any:
+    """An object of the receivers that no ray meets, white and matte."""
+    corners = atlas.receiver_corners
+    index = np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
+    slots = np.zeros(len(corners), dtype=np.int32)
+    shape = Mesh(corners.reshape(-1, 3), index, slots, ("white",))
+    white = build_material(bpy, "white", White)
+    target = white.node_tree.nodes.new("ShaderNodeTexImage")
+    target.image = image
+    white.node_tree.nodes.active = target
+    made = add_mesh(bpy, scene, shape, [white], "receivers")
+    add_layer(made.data, ATLAS, atlas.scaled_receiver_uv)
+    # An object that no kind of ray sees is left out; there are no volumes here.
+    for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+        setattr(made, f"visible_{kind}", False)
+    return made
