@@ -24,7 +24,7 @@ __all__ = ["continued", "denoise"]
 
 SCATTER = 4
 """How far from the nearest texel another one is taken for it."""
-TRIES = 3
+TRIES = 8
 Picture = NDArray[np.float32]
 
 

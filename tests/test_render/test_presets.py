@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+
 import pytest
 
 from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
-from render.presets import PRESETS, preset_named
+from render.presets import PRESETS, Bake, Preset, preset_from, preset_named
 
 
 def test_full_size_presets_keep_the_maps_camera() -> None:
@@ -24,5 +27,17 @@ def test_preview_shrinks_the_disc_and_keeps_lens_and_height() -> None:
 
 def test_names() -> None:
     assert all(preset_named(name).name == name for name in PRESETS)
-    with pytest.raises(RoomsegError, match="expected one of reference, draft, quick, preview"):
-        preset_named("fast")
+    with pytest.raises(
+        RoomsegError, match="expected one of reference, fast, draft, quick, preview"
+    ):
+        preset_named("quickest")
+
+
+@pytest.mark.parametrize("preset", PRESETS.values(), ids=lambda preset: preset.name)
+def test_presets_survive_json(preset: Preset) -> None:
+    assert preset_from(json.loads(json.dumps(asdict(preset)))) == preset
+
+
+def test_a_scaled_bake_has_larger_texels_and_the_same_samples() -> None:
+    bake = Bake(samples=7, overhead=0.01, upright=0.02, floor=0.03, doorway=0.04)
+    assert bake.scaled(2.0) == Bake(7, 0.02, 0.04, 0.06, 0.08)
