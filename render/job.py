@@ -52,6 +52,7 @@ def render_map(
     device: Device = "auto",
     hdr: bool = False,
     on_device: Callable[[str], None] | None = None,
+    on_bake: Callable[[], None] | None = None,
     on_progress: Callable[[int, int], None] | None = None,
 ) -> int:
     """Render the images that a map still lacks, at the nodes' true poses.
@@ -72,6 +73,8 @@ def render_map(
         Keep the radiance of the images, too, for `expose_map`.
     on_device : callable, optional
         Called once with the name of what renders.
+    on_bake : callable, optional
+        Called if the apartment's light has to be baked first.
     on_progress : callable, optional
         Called with (images that are there, how many there will be), at first and after
         every image.
@@ -107,7 +110,7 @@ def render_map(
                 return 0
             folder = str(Path(path).resolve().parent)
             job = Job(apartment, camera, preset, threads, device, topomap.seed, folder)
-            with RenderProcess(job) as process:
+            with RenderProcess(job, on_bake) as process:
                 if on_device is not None:
                     on_device(process.device)
                 return _render(process, journal, topomap, missing, on_progress)

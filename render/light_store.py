@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.atomic import locked, replacing, unwritten
+from dataset.atomic import locked, remove_leftovers, replacing, unwritten
 from render.presets import Bake
 from scenes.apartment import Apartment
 
@@ -72,6 +72,7 @@ def stored_light(path: Path, shape: tuple[int, int], make: Callable[[], Picture]
     except OSError as error:
         raise unwritten(path, error) from error
     with locked(path, wait=True):
+        remove_leftovers(path)
         found = _load(path, shape)
         if found is not None:
             return found

@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -75,6 +75,8 @@ class RenderProcess:
     Parameters
     ----------
     job : Job
+    on_bake : callable, optional
+        Called if the light has to be baked first, which takes minutes.
 
     Attributes
     ----------
@@ -87,7 +89,7 @@ class RenderProcess:
         If Blender cannot be loaded, or the device asked for is not there.
     """
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, on_bake: Callable[[], None] | None = None) -> None:
         self._size = job.camera.image_size
         # Here, so that it goes even if the child is killed.
         self._folder = tempfile.TemporaryDirectory(prefix="roomseg-render-")
@@ -95,7 +97,12 @@ class RenderProcess:
         self._child = start_child("render.worker", self._log)
         try:
             self._send(json.dumps({"job": job.to_json(), "folder": self._folder.name}))
-            self.device = str(self._receive()[0]["device"])
+            ready, _ = self._receive()
+            if "baking" in ready:
+                if on_bake is not None:
+                    on_bake()
+                ready, _ = self._receive()
+            self.device = str(ready["device"])
         except BaseException:
             self._end()
             raise

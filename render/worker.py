@@ -18,11 +18,13 @@ import os
 import shutil
 import sys
 import traceback
+from collections.abc import Callable
 from queue import SimpleQueue
 from threading import Thread
 from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dataset.errors import RoomsegError
 from render.baked_scene import build_baked_scene
@@ -39,7 +41,7 @@ from scenes.errors import SceneError
 __all__ = ["leave", "main", "read_lines"]
 
 
-def _prepare(line: str) -> tuple[FrameSource, str]:
+def _prepare(line: str, on_bake: Callable[[], None]) -> tuple[FrameSource, str]:
     """Build the job's scene; the frame source and the device it uses."""
     job = Job.from_json(line)
     bpy = load_bpy()
@@ -48,7 +50,7 @@ def _prepare(line: str) -> tuple[FrameSource, str]:
         scene = open_own_scene(bpy, job.apartment, job.folder)
         add_camera(bpy, scene, job.camera)
     elif job.preset.bake is not None:
-        scene = _baked(bpy, job, job.preset.bake)
+        scene = _baked(bpy, job, job.preset.bake, on_bake)
     else:
         scene = build_scene(bpy, job.apartment, job.camera)
     configure(scene, job.preset, job.threads, glass=own)
@@ -56,15 +58,16 @@ def _prepare(line: str) -> tuple[FrameSource, str]:
     return FrameSource(bpy, scene, job.camera, job.seed), used
 
 
-def _baked(bpy: Any, job: Job, settings: Bake) -> Any:
+def _baked(bpy: Any, job: Job, settings: Bake, on_bake: Callable[[], None]) -> Any:
     """The job's scene with its light baked, now or by an earlier job."""
+
+    def make() -> NDArray[np.float32]:
+        on_bake()
+        return bake(bpy, job.apartment, settings, threads=job.threads, device=job.device)
+
     atlas = lay_out_apartment(job.apartment, settings)
     path = bake_path(job.apartment, settings, job.folder, bpy.app.version_string)
-    light = stored_light(
-        path,
-        atlas.shape,
-        lambda: bake(bpy, job.apartment, settings, threads=job.threads, device=job.device),
-    )
+    light = stored_light(path, atlas.shape, make)
     return build_baked_scene(bpy, job.apartment, job.camera, atlas, light)
 
 
@@ -89,7 +92,7 @@ def read_lines(lines: SimpleQueue[str], folder: str) -> None:
 
 def _serve(channel: BinaryIO, job: str, lines: SimpleQueue[str]) -> None:
     """Answer the job, then every frame asked for; `read_lines` ends this."""
-    source, device = _prepare(job)
+    source, device = _prepare(job, lambda: _answer(channel, {"baking": True}))
     _answer(channel, {"device": device})
     while True:
         request = json.loads(lines.get())

@@ -27,7 +27,8 @@ Example:
     "--preset",
     default="reference",
     show_default=True,
-    help="Render settings: reference, draft and quick (noisier), preview (small).",
+    help="Render settings: reference, fast (light baked once), draft and quick (noisier), "
+    "preview (small).",
 )
 @click.option("--limit", type=click.IntRange(1), help="At most so many new images per map.")
 @click.option("--threads", type=click.IntRange(1), help="Threads of the renderer; all if absent.")
@@ -83,6 +84,9 @@ def command(
             def tell_device(device: str, path: Path = path) -> None:
                 tell(bar, f"{path}: rendering on {device}", err=True)
 
+            def tell_bake(path: Path = path) -> None:
+                tell(bar, f"{path}: baking the light, once per apartment", err=True)
+
             count = render_map(
                 path,
                 preset=chosen,
@@ -91,6 +95,7 @@ def command(
                 device=device,
                 hdr=hdr,
                 on_device=tell_device,
+                on_bake=tell_bake,
                 on_progress=show,
             )
             tell(bar, f"{path}: {count} new images")

@@ -13,11 +13,13 @@ import numpy as np
 from shapely import box
 
 from dataset.camera import FisheyeCamera
+from render.baked_scene import build_baked_scene
+from render.baking import bake, lay_out_apartment
 from render.blender import add_camera, add_mesh, build_scene, empty_scene
 from render.cycles import FrameSource, configure, luminance, select_device
 from render.libraries import load_bpy
 from render.lighting import SHARES
-from render.presets import Preset
+from render.presets import PRESETS, Bake, Preset
 from render.shading import build_glow, build_material
 from scenes.apartment import Apartment, Material
 from scenes.mesh import Mesh, prism_mesh
@@ -30,6 +32,7 @@ CAMERAS = {
     "small": FisheyeCamera().resized(96),
 }
 POSE = np.array([1.0, -2.0, 0.7])
+POSE_IN_ROOM = np.array([0.3, -0.5, 0.7])
 LEANING = np.array([*POSE, 0.05, -0.08])
 """With roll and pitch."""
 MARKER_DISTANCE = 10.0
@@ -146,6 +149,26 @@ def rooms(bpy: Any) -> dict[str, np.ndarray]:
     return found
 
 
+def baked(bpy: Any) -> dict[str, np.ndarray]:
+    """The boxed room by lamp and by window: traced, and from baked light; and the light itself."""
+    camera, settings = FisheyeCamera().resized(64), Bake(16, 0.05, 0.05, 0.1, 0.05)
+    shown = PRESETS["fast"]
+    found = {}
+    for source in ("interior", "exterior"):
+        room = boxed_room((0.0, 2.1), source)
+        scene = build_scene(bpy, room, camera)
+        configure(scene, Preset("probe", samples=128))
+        found[f"traced_{source}"] = FrameSource(bpy, scene, camera).radiance(POSE_IN_ROOM)
+        light = bake(bpy, room, settings, device="cpu")
+        found[f"light_{source}"] = light
+        atlas = lay_out_apartment(room, settings)
+        scene = build_baked_scene(bpy, room, camera, atlas, light)
+        configure(scene, shown)
+        found[f"baked_{source}"] = FrameSource(bpy, scene, camera).radiance(POSE_IN_ROOM)
+    found["light_again"] = bake(bpy, room, settings, threads=1, device="cpu")
+    return found
+
+
 def furnace(bpy: Any) -> dict[str, np.ndarray]:
     """A sealed glowing box: every ray sees the radiance asked for."""
     assert SHARES["interior"][0] == 1.0
@@ -231,7 +254,7 @@ def main() -> None:
     bpy = load_bpy()
     found = {f"directions_{name}": directions(bpy, camera) for name, camera in CAMERAS.items()}
     found["directions_leaning"] = directions(bpy, CAMERAS["small"], LEANING)
-    found |= markers(bpy) | rooms(bpy) | furnace(bpy) | panes(bpy) | state(bpy)
+    found |= markers(bpy) | rooms(bpy) | baked(bpy) | furnace(bpy) | panes(bpy) | state(bpy)
     np.savez(sys.argv[1], **found)
     sys.stdout.flush()
     os._exit(0)

@@ -19,8 +19,9 @@ import render.job
 from dataset import FormatError, FrameJournal, MapFile, RoomsegError, read_map, write_map
 from dataset.camera import CameraFlaws, FisheyeCamera
 from dataset.topomap import Nodes, Obstacles, TopoMap, Visits
-from render import Preset, render_map
+from render import PRESETS, Preset, render_map
 from render.lighting import missing_light
+from render.presets import Bake
 from render.process import Job, RenderProcess
 from scenes import Apartment
 
@@ -143,7 +144,7 @@ class _Fake:
 
     device = "CPU"
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, on_bake: object = None) -> None:
         self.size = job.camera.image_size
 
     def __enter__(self) -> _Fake:
@@ -241,6 +242,30 @@ def test_a_killed_child_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.Mon
         with pytest.raises(RoomsegError, match="ended with -9"):
             list(process.frames([0], np.zeros((1, 3))))
     assert not list(tmp_path.iterdir())
+
+
+def test_baked_light_is_shared_and_may_be_deleted(tmp_path: Path) -> None:
+    preset = Preset("tiny", 1, max_bounces=2, diffuse_bounces=0, bake=Bake(2, 0.4, 0.4, 0.4, 0.4))
+    path, other = make_map(tmp_path / "map.h5"), make_map(tmp_path / "other.h5")
+    told: list[str] = []
+    assert render_map(path, preset=preset, limit=2, on_bake=lambda: told.append("once")) == 2
+    (stored,) = (tmp_path / "bakes").iterdir()
+    light, made = stored.read_bytes(), stored.stat().st_mtime_ns
+    assert render_map(other, preset=preset, on_bake=lambda: told.append("twice")) == N
+    assert told == ["once"]
+    assert stored.stat().st_mtime_ns == made
+    stored.unlink()
+    assert render_map(path, preset=preset) == N - 2
+    assert stored.read_bytes() == light
+    assert images(path) == images(other)
+
+
+def test_baked_light_of_a_scene_of_its_own_is_refused(tmp_path: Path) -> None:
+    room = boxed_room((0.0, 2.1)).model_dump()
+    room["scene_file"] = {"file": "room.blend", "sha256": "0" * 64}
+    path = make_map(tmp_path / "map.h5", scene=Apartment.model_validate(room).model_dump_json())
+    with pytest.raises(FormatError, match=r"map\.h5: preset 'fast'.*'reference'"):
+        render_map(path, preset=PRESETS["fast"])
 
 
 def test_maps_without_scene_or_poses_are_refused(tmp_path: Path) -> None:

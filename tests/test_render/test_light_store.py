@@ -51,6 +51,14 @@ def test_a_damaged_or_other_file_is_made_again(tmp_path: Path, content: bytes | 
     assert path.read_bytes() == whole
 
 
+def test_what_a_killed_maker_left_goes(tmp_path: Path) -> None:
+    path = tmp_path / "bakes" / "box.npz"
+    path.parent.mkdir()
+    (path.parent / ".box.npz.1.part").write_text("half")
+    stored_light(path, (4, 5), Oven())
+    assert [item.name for item in path.parent.iterdir()] == ["box.npz"]
+
+
 def test_another_shape_is_made_again(tmp_path: Path) -> None:
     path, oven = tmp_path / "bakes" / "box.npz", Oven()
     path.parent.mkdir()
