@@ -61,7 +61,7 @@ def panorama(image: np.ndarray) -> np.ndarray:
 @click.command()
 def main() -> None:
     """Print one row per preset; the reference is rendered first."""
-    full_size = [preset for preset in PRESETS.values() if preset.disc_diameter is None]
+    full_size = [p for p in PRESETS.values() if p.disc_diameter is None and p.bake is None]
     reference, _ = render(replace(full_size[0], name="truth", samples=REFERENCE_SAMPLES))
     disc = SIMULATED_CAMERA.pixel_zenith() < np.radians(95.0)
     rows = []
