@@ -4,12 +4,13 @@ A *bake* holds, for every texel of `render.charts`, the radiance that a white ma
 surface would have there. It is made twice. First coarsely, by path tracing in the very
 scene that the path-traced presets render, and denoised. Then finely: the apartment shows
 the coarse bake, and every texel gathers what it sees and the light of lamps, windows and
-sun. Paths of one bounce are short and quiet: what is left of the noise is a third of
-that of whole paths, and the errors of the first bake are averaged away.
+sun. A path of one bounce costs half as much as a whole one and leaves half the noise, and
+the errors of the first bake are averaged away.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,10 +25,10 @@ from render.cycles import Device, configure, select_device
 from render.denoising import continued, denoise
 from render.presets import Bake, Preset
 from render.shading import ATLAS, build_material
-from scenes.apartment import Apartment, Material
+from scenes.apartment import Apartment, Material, Passage, Window
 from scenes.mesh import Mesh, apartment_mesh
 from scenes.openings import place
-from scenes.solids import apartment_solids, cutter, floor_region
+from scenes.solids import apartment_solids, cutter, rooms_region
 
 __all__ = ["bake", "lay_out_apartment"]
 
@@ -42,7 +43,7 @@ UNSEEN = 5.0
 OUTSIDE = 20.0
 """Texels outdoors, in texels of uprights."""
 FRAME_REACH = 0.15
-"""How far frames reach beside a passage, m."""
+"""How far frames reach beside an opening, m."""
 Floats = NDArray[np.float64]
 Picture = NDArray[np.float32]
 White = Material(colour=(1.0, 1.0, 1.0), roughness=1.0)
@@ -90,18 +91,23 @@ def _needed_texels(apartment: Apartment, mesh: Mesh, settings: Bake) -> Floats:
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
     texel = np.full(len(corners), settings.upright)
     texel[normal[:, 2] < -0.7] = settings.overhead
-    texel[_at_doorways(apartment, corners)] = settings.doorway
+    texel[_at(apartment, apartment.passages, corners)] = settings.doorway
     upward = normal[:, 2] > 0.7
     texel[upward] = settings.floor
-    texel[upward & (corners[..., 2].min(axis=1) > EYE_LEVEL)] = UNSEEN * settings.upright
+    # A sill is bright before its window's frame and dim behind it.
+    sill = _at(apartment, apartment.windows, corners)
+    texel[upward & ~sill & (corners[..., 2].min(axis=1) > EYE_LEVEL)] = UNSEEN * settings.upright
+    texel[upward & sill] = settings.upright
     outside = ~_indoors(apartment, corners.mean(axis=1) + 0.02 * normal)
     texel[outside] = OUTSIDE * settings.upright
     return texel
 
 
-def _at_doorways(apartment: Apartment, corners: Floats) -> NDArray[np.bool_]:
-    """Which triangles (t, 3, 3) are lintels and frames of passages."""
-    places = [place(apartment, p.position, p.width) for p in apartment.passages]
+def _at(
+    apartment: Apartment, openings: Sequence[Passage | Window], corners: Floats
+) -> NDArray[np.bool_]:
+    """Which triangles (t, 3, 3) are reveals, lintels and frames of some openings."""
+    places = [place(apartment, item.position, item.width) for item in openings]
     around = shapely.union_all([cutter(opening, FRAME_REACH) for opening in places])
     shapely.prepare(around)
     inside = shapely.intersects_xy(around, corners[..., 0], corners[..., 1])
@@ -111,8 +117,9 @@ def _at_doorways(apartment: Apartment, corners: Floats) -> NDArray[np.bool_]:
 
 def _indoors(apartment: Apartment, points: Floats) -> NDArray[np.bool_]:
     """Whether points (n, 3) are in a room or an opening."""
-    openings = [cutter(place(apartment, w.position, w.width)) for w in apartment.windows]
-    inside = shapely.union_all([floor_region(apartment), *openings])
+    openings = [*apartment.windows, *apartment.passages]  # closed passages, too
+    cuts = [cutter(place(apartment, item.position, item.width)) for item in openings]
+    inside = shapely.union_all([rooms_region(apartment), *cuts])
     shapely.prepare(inside)
     highest = max(room.ceiling_height for room in apartment.rooms)
     found: NDArray[np.bool_] = shapely.intersects_xy(inside, points[:, 0], points[:, 1])

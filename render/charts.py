@@ -28,6 +28,8 @@ from scenes.solids import Prism
 
 __all__ = ["Atlas", "lay_out"]
 
+LEAST = 40
+"""How many texels a chart has at least, about: light varies over small things, too."""
 GUTTER = 2
 """Texels around a chart that repeat its border."""
 Floats = NDArray[np.float64]
@@ -103,7 +105,7 @@ def lay_out(mesh: Mesh, prisms: Sequence[Prism], texel: Floats) -> Atlas:
         The solids that hide what is in them.
     texel : array, shape (t,)
         Side of a texel that each triangle needs, m; a chart gets as many texels as its
-        triangles need together.
+        triangles need together, and no fewer than `LEAST`.
     """
     corners = mesh.vertices[mesh.triangles]
     planes = planes_of(corners)
@@ -142,7 +144,8 @@ def _arranged(flat: Floats, chart: Ints, texel: Floats) -> tuple[tuple[int, int]
     one, two = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
     area = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) + 1e-12
     needed = np.bincount(chart, area / texel**2, count)
-    side = np.sqrt(np.bincount(chart, area, count) / needed)
+    whole = np.bincount(chart, area, count)
+    side = np.sqrt(np.minimum(whole / needed, 0.5 * whole / LEAST))
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(low, chart, flat.min(axis=1))
     np.maximum.at(high, chart, flat.max(axis=1))

@@ -25,6 +25,8 @@ __all__ = ["continued", "denoise"]
 SCATTER = 4
 """How far from the nearest texel another one is taken for it."""
 TRIES = 8
+DARKEST = 1e-6
+"""Charts are not brightened from below that, W/m²/sr."""
 Picture = NDArray[np.float32]
 
 
@@ -78,15 +80,28 @@ def _scattered(
 
 
 def denoise(bpy: Any, picture: Picture, atlas: Atlas, threads: int | None = None) -> Picture:
-    """The picture (rows, columns, 3), denoised; the Blender scene is lost."""
+    """The picture (rows, columns, 3), denoised; the Blender scene is lost.
+
+    Every chart is brought to the same mean brightness for it: a window's reveal would
+    otherwise shine into the charts beside it, which are a thousandth as bright.
+    """
     scene = empty_scene(bpy)
-    colour, normal = _guides(atlas)
-    _add_plate(bpy, scene, picture, colour, normal)
+    level = _levels(picture, atlas)
+    _add_plate(bpy, scene, picture / level, *_guides(atlas))
     _add_camera(bpy, scene, atlas.shape)
     configure(scene, Preset("plate", samples=1, max_bounces=0), threads)
     scene.cycles.denoising_prefilter = "FAST"
     pixels = Frames(bpy, scene).render()
-    return np.ascontiguousarray(pixels[::-1, :, :3])
+    return np.ascontiguousarray(pixels[::-1, :, :3]) * level
+
+
+def _levels(picture: Picture, atlas: Atlas) -> Picture:
+    """Mean of the chart of every texel, (rows, columns, 1); never 0."""
+    level = np.full((*atlas.shape, 1), max(float(picture.mean()), DARKEST), dtype=np.float32)
+    for row, column, rows, columns in atlas.boxes.tolist():
+        window = np.s_[row : row + rows, column : column + columns]
+        level[window] = max(float(picture[window].mean()), DARKEST)
+    return level
 
 
 def _guides(atlas: Atlas) -> tuple[Picture, Picture]:
