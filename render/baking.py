@@ -117,7 +117,7 @@ def _at(
 
 def _indoors(apartment: Apartment, points: Floats) -> NDArray[np.bool_]:
     """Whether points (n, 3) are in a room or an opening."""
-    openings = [*apartment.windows, *apartment.passages]  # closed passages, too
+    openings: tuple[Passage | Window, ...] = (*apartment.windows, *apartment.passages)
     cuts = [cutter(place(apartment, item.position, item.width)) for item in openings]
     inside = shapely.union_all([rooms_region(apartment), *cuts])
     shapely.prepare(inside)
