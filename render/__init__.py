@@ -5,7 +5,15 @@ be rendered, and never by importing this package.
 """
 
 from render.exposure import expose
-from render.job import expose_map, render_map
+from render.job import expose_map, render_map, suited_preset
 from render.presets import PRESETS, Preset, preset_named
 
-__all__ = ["PRESETS", "Preset", "expose", "expose_map", "preset_named", "render_map"]
+__all__ = [
+    "PRESETS",
+    "Preset",
+    "expose",
+    "expose_map",
+    "preset_named",
+    "render_map",
+    "suited_preset",
+]

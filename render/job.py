@@ -30,13 +30,13 @@ from render.blender import render_window
 from render.cycles import Device
 from render.exposure import expose
 from render.lighting import missing_light
-from render.presets import Preset
+from render.presets import PRESETS, Preset
 from render.process import Job, RenderProcess
 from scenes.apartment import Apartment
 from scenes.errors import SceneError
 from scenes.storage import apartment_from_json
 
-__all__ = ["expose_map", "render_map"]
+__all__ = ["expose_map", "render_map", "suited_preset"]
 
 NOISE = 0x5E45
 """Tells the noise of the images from whatever else is drawn from the run's seed."""
@@ -62,6 +62,7 @@ def render_map(
     path : path
         Map file with ``/scene`` and ``/nodes/true_pose``.
     preset : Preset
+        See `suited_preset`.
     nodes : iterable of int, optional
         The nodes whose images are wanted; all if absent.
     limit : int, optional
@@ -94,11 +95,7 @@ def render_map(
     """
     topomap = read_map(path)
     apartment = _apartment(path, topomap)
-    if preset.bake is not None and apartment.scene_file is not None:
-        raise FormatError(
-            f"{path}: preset {preset.name!r}: cannot bake the light of a 3D scene of its own yet; "
-            f"expected 'reference', 'draft' or 'quick'"
-        )
+    preset = _suited(apartment, preset)
     camera = _camera(path, topomap, preset)
     with FrameJournal(path, camera, preset.name, keep_radiance=hdr) as journal:
         try:
@@ -116,6 +113,24 @@ def render_map(
                 return _render(process, journal, topomap, missing, on_progress)
         finally:
             journal.pack()
+
+
+def suited_preset(path: str | Path, preset: Preset) -> Preset:
+    """The preset that `render_map` takes for a map if it is asked for ``preset``.
+
+    The light of a 3D scene of another make cannot be baked; `reference` traces it.
+
+    Raises
+    ------
+    FormatError
+        If the file is no map, or cannot be rendered.
+    """
+    return _suited(_apartment(path, read_map(path)), preset)
+
+
+def _suited(apartment: Apartment, preset: Preset) -> Preset:
+    baked = preset.bake is not None and apartment.scene_file is not None
+    return PRESETS["reference"] if baked else preset
 
 
 def _render(

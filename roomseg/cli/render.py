@@ -25,10 +25,10 @@ Example:
 @maps_argument
 @click.option(
     "--preset",
-    default="reference",
+    default="fast",
     show_default=True,
-    help="Render settings: reference, fast (light baked once), draft and quick (noisier), "
-    "preview (small).",
+    help="Render settings: fast (light baked once), reference (light traced for each image), "
+    "draft and quick (the same, noisier), preview (small).",
 )
 @click.option("--limit", type=click.IntRange(1), help="At most so many new images per map.")
 @click.option("--threads", type=click.IntRange(1), help="Threads of the renderer; all if absent.")
@@ -67,11 +67,12 @@ def command(
     finished, and a stopped command goes on where it was when called again.
     """
     from dataset import FrameJournal, discard_frames, read_map
-    from render import preset_named, render_map
+    from render import preset_named, render_map, suited_preset
 
-    chosen = preset_named(preset)
+    wanted, presets = preset_named(preset), {}
     for path in maps:
         # All files are looked at before hours are spent on the first.
+        chosen = presets[path] = suited_preset(path, wanted)
         camera = chosen.camera(read_map(path).camera)
         if not force:
             FrameJournal(path, camera, chosen.name, keep_radiance=hdr).close()
@@ -80,6 +81,9 @@ def command(
             if force:
                 discard_frames(path)
             show = follow(bar, path.name)
+            if presets[path] != wanted:
+                name = presets[path].name
+                tell(bar, f"{path}: a 3D scene of another make, rendered as {name!r}", err=True)
 
             def tell_device(device: str, path: Path = path) -> None:
                 tell(bar, f"{path}: rendering on {device}", err=True)
@@ -89,7 +93,7 @@ def command(
 
             count = render_map(
                 path,
-                preset=chosen,
+                preset=presets[path],
                 limit=limit,
                 threads=threads,
                 device=device,

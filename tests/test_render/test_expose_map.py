@@ -25,7 +25,7 @@ class _Light:
 
     device = "CPU"
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, on_bake: object = None) -> None:
         self.size = job.camera.image_size
 
     def __enter__(self) -> _Light:

@@ -68,3 +68,17 @@ def test_render_names_a_scene_that_is_missing_or_nonsense(home: Path) -> None:
         render_map("home-run1.h5", preset=preset_named("preview"), limit=1)
     assert "\n" not in str(caught.value)
     assert Path("home-run1.h5").exists()
+
+
+def test_a_scene_of_its_own_is_rendered_as_reference(home: Path, monkeypatch, capsys) -> None:
+    place = load_apartment(home)
+    write_map("home-run1.h5", simulate(place, run="run1", seed=1, created="1970-01-01T00:00:00Z"))
+    taken = []
+    monkeypatch.setattr(
+        "render.render_map", lambda _, *, preset, **__: taken.append(preset.name) or 0
+    )
+    assert main(["render", "home-run1.h5"]) == 0
+    assert "a 3D scene of another make, rendered as 'reference'" in capsys.readouterr().err
+    assert main(["render", "home-run1.h5", "--preset", "quick"]) == 0
+    assert "another make" not in capsys.readouterr().err
+    assert taken == ["reference", "quick"]
