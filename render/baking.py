@@ -23,6 +23,7 @@ from render.blender import add_layer, add_mesh, build_scene
 from render.charts import Atlas, lay_out
 from render.cycles import Device, configure, select_device
 from render.denoising import continued, denoise
+from render.open_image_denoise import Denoiser
 from render.presets import Bake, Preset
 from render.shading import ATLAS, build_material
 from scenes.apartment import Apartment, Material, Passage, Window
@@ -68,13 +69,14 @@ def bake(
 
     The Blender scene is lost.
     """
+    denoiser = Denoiser(bpy, threads)
 
     def lit(scene: Any, atlas: Atlas, preset: Preset) -> Picture:
         configure(scene, preset, threads)
         select_device(bpy, scene, device)
         raw, covered = _gather(bpy, scene, atlas)
         noise = continued(raw, covered, atlas.boxes, np.random.default_rng(0))
-        clean = denoise(bpy, noise, atlas, threads)
+        clean = denoise(denoiser, noise, atlas)
         return continued(clean, covered, atlas.boxes)
 
     coarse = lay_out_apartment(apartment, settings.scaled(COARSE))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from dataset.camera import FisheyeCamera
 from dataset.errors import RoomsegError
 from render.blender import place_camera, render_window
+from render.open_image_denoise import Denoiser
 from render.presets import Preset
 
 __all__ = [
@@ -38,6 +39,9 @@ __all__ = [
 Device = Literal["auto", "cpu", "gpu"]
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 """Rec. 709 weights: the eye's, standing in for the monochrome sensor's response."""
+COMBINED = "Combined"
+SHINING = ("Emission", "Environment")
+"""Passes of what shines towards the camera by itself."""
 GPU_KINDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 
 
@@ -72,7 +76,8 @@ def _configure_sampling(cycles: Any, preset: Preset) -> None:
     cycles.samples = preset.samples
     cycles.use_adaptive_sampling = False
     cycles.time_limit = 0.0
-    cycles.use_light_tree = True
+    # Only gloss sees the lights beside baked light: the tree is not worth its price.
+    cycles.use_light_tree = preset.bake is None
     cycles.use_auto_tile = False
     cycles.max_bounces = preset.max_bounces
     cycles.diffuse_bounces = min(preset.diffuse_bounces, preset.max_bounces)
@@ -89,15 +94,16 @@ def _configure_sampling(cycles: Any, preset: Preset) -> None:
 
 
 def _configure_denoising(scene: Any, preset: Preset) -> None:
-    """OpenImageDenoise on the image, guided by albedo and normals."""
+    """OpenImageDenoise on the image, guided by albedo and normals; baked light: see `Frames`."""
     cycles = scene.cycles
-    cycles.use_denoising = preset.denoise
-    if preset.denoise:
+    cycles.use_denoising = preset.denoise and preset.bake is None
+    for layer in scene.view_layers:
+        layer.use_pass_emit = layer.use_pass_environment = preset.bake is not None
+    if cycles.use_denoising:
         cycles.denoiser = "OPENIMAGEDENOISE"
         cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
         cycles.denoising_prefilter = "NONE"  # keeps more lintel edges than FAST (docs/render.md)
-        # Baked light is quiet; what is left is the grain of gloss.
-        cycles.denoising_quality = "HIGH" if preset.bake is None else "FAST"
+        cycles.denoising_quality = "HIGH"
         cycles.denoising_use_gpu = False
 
 
@@ -151,18 +157,29 @@ def luminance(colour: NDArray[np.float32]) -> NDArray[np.float32]:
 
 @dataclass
 class _Capture:
-    """The last frame's pixels (rows, columns, 4), top row first; None before a frame."""
+    """The last frame's passes (rows, columns, channels), top row first; none before a frame."""
 
-    pixels: NDArray[np.float32] | None = None
+    passes: dict[str, NDArray[np.float32]] = field(default_factory=dict)
     works: bool = True
 
 
 class Frames:
-    """What the camera of a scene sees, from memory where that is possible."""
+    """What the camera of a scene sees, from memory where that is possible.
 
-    def __init__(self, bpy: Any, scene: Any) -> None:
+    Parameters
+    ----------
+    bpy : module
+    scene : bpy.types.Scene
+    denoiser : Denoiser, optional
+        For a scene that shows baked light. Quietens what is traced, and leaves alone what
+        shines by itself: a denoiser takes the joints of tiles for noise, and the grain of
+        gloss for the texture of what it lies on.
+    """
+
+    def __init__(self, bpy: Any, scene: Any, denoiser: Denoiser | None = None) -> None:
         self._bpy = bpy
         self._scene = scene
+        self._denoiser = denoiser
         self._capture = _Capture()
         _wrap_engine(bpy, self._capture)
 
@@ -174,15 +191,22 @@ class Frames:
         RoomsegError
             If Blender returned without a frame.
         """
-        self._capture.pixels = None
-        if not self._capture.works:
-            return render_through_file(self._bpy, self._scene)
-        self._bpy.ops.render.render()
-        if self._capture.pixels is None:
+        self._capture.passes.clear()
+        if self._capture.works:
+            self._bpy.ops.render.render()
+            if self._capture.passes:
+                return self._quiet(self._capture.passes)
             if self._capture.works:
                 raise RoomsegError("Blender: the render ended without a frame (interrupted?)")
-            return render_through_file(self._bpy, self._scene)
-        return self._capture.pixels
+        return self._quiet({COMBINED: render_through_file(self._bpy, self._scene)})
+
+    def _quiet(self, passes: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+        if self._denoiser is None:
+            return passes[COMBINED]
+        colour = passes[COMBINED][..., :3]
+        shining = [passes[name][..., :3] for name in SHINING if name in passes]
+        shown = np.sum(shining, axis=0, dtype=np.float32) if shining else np.zeros_like(colour)
+        return shown + self._denoiser(np.maximum(colour - shown, 0.0), quality="fast")
 
 
 class FrameSource:
@@ -196,15 +220,24 @@ class FrameSource:
     camera : FisheyeCamera
     seed : int
         Frame i is sampled with seed + i, so that noise does not repeat between images.
+    denoiser : Denoiser, optional
+        See `Frames`.
     """
 
-    def __init__(self, bpy: Any, scene: Any, camera: FisheyeCamera, seed: int = 0) -> None:
+    def __init__(
+        self,
+        bpy: Any,
+        scene: Any,
+        camera: FisheyeCamera,
+        seed: int = 0,
+        denoiser: Denoiser | None = None,
+    ) -> None:
         self._bpy = bpy
         self._scene = scene
         self._camera = camera
         self._seed = seed
         self._outside = camera.pixel_zenith() > 0.5 * camera.field_of_view
-        self._frames = Frames(bpy, scene)
+        self._frames = Frames(bpy, scene, denoiser)
 
     def colour(self, pose: NDArray[np.float64], index: int = 0) -> NDArray[np.float32]:
         """Linear RGB (h, w, 3) at ``pose`` (`render.blender.place_camera`); 0 outside the disc.
@@ -283,18 +316,22 @@ def _wrap_engine(bpy: Any, capture: _Capture) -> None:
     def render(self: Any, depsgraph: Any) -> None:
         original(self, depsgraph)
         try:
-            capture.pixels = _combined_pass(self)
+            capture.passes = _passes(self)
         except (AttributeError, IndexError, KeyError, TypeError):
             capture.works = False
 
     engine.render = render
 
 
-def _combined_pass(engine: Any) -> NDArray[np.float32]:
-    """Pixels (rows, columns, 4) of the engine's result, top row first."""
+def _passes(engine: Any) -> dict[str, NDArray[np.float32]]:
+    """Pixels (rows, columns, channels) of the engine's passes, top row first."""
     result = engine.get_result()
     width, height = result.resolution_x, result.resolution_y
-    rendered = result.layers[0].passes["Combined"]
-    flat = np.empty(width * height * rendered.channels, dtype=np.float32)
-    rendered.rect.foreach_get(flat)
-    return flat.reshape(height, width, rendered.channels)[::-1].copy()
+    found = {}
+    for item in result.layers[0].passes:
+        if item.name in (COMBINED, *SHINING):
+            flat = np.empty(width * height * item.channels, dtype=np.float32)
+            item.rect.foreach_get(flat)
+            found[item.name] = flat.reshape(height, width, item.channels)[::-1]
+    found[COMBINED] = found[COMBINED].copy()
+    return found

@@ -1,24 +1,17 @@
 """Quietening a bake: OpenImageDenoise over the atlas, and texels that nobody lit.
 
-Blender gives no access to OpenImageDenoise but through a render. The atlas is
-therefore rendered: a plate that glows with it fills the view of a camera without
-perspective, one pixel per texel. What guides the denoiser is each chart's normal and a
-colour of its own, so that light does not run from one chart into its neighbour.
+What guides the denoiser is each chart's normal and a colour of its own, so that light
+does not run from one chart into its neighbour.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from render.blender import add_layer, empty_scene, float_image
 from render.charts import Atlas
-from render.cycles import Frames, configure
-from render.nodes import add_node
-from render.presets import Preset
+from render.open_image_denoise import Denoiser
 
 __all__ = ["continued", "denoise"]
 
@@ -79,20 +72,15 @@ def _scattered(
     return found
 
 
-def denoise(bpy: Any, picture: Picture, atlas: Atlas, threads: int | None = None) -> Picture:
-    """The picture (rows, columns, 3), denoised; the Blender scene is lost.
+def denoise(denoiser: Denoiser, picture: Picture, atlas: Atlas) -> Picture:
+    """The picture (rows, columns, 3), denoised.
 
     Every chart is brought to the same mean brightness for it: a window's reveal would
     otherwise shine into the charts beside it, which are a thousandth as bright.
     """
-    scene = empty_scene(bpy)
     level = _levels(picture, atlas)
-    _add_plate(bpy, scene, picture / level, *_guides(atlas))
-    _add_camera(bpy, scene, atlas.shape)
-    configure(scene, Preset("plate", samples=1, max_bounces=0), threads)
-    scene.cycles.denoising_prefilter = "FAST"
-    pixels = Frames(bpy, scene).render()
-    return np.ascontiguousarray(pixels[::-1, :, :3]) * level
+    albedo, normal = _guides(atlas)
+    return denoiser(picture / level, {"albedo": albedo, "normal": normal}) * level
 
 
 def _levels(picture: Picture, atlas: Atlas) -> Picture:
@@ -113,55 +101,3 @@ def _guides(atlas: Atlas) -> tuple[Picture, Picture]:
         window = np.s_[row : row + rows, column : column + columns]
         colour[window], normal[window] = colours[chart], atlas.normals[chart]
     return colour, normal
-
-
-def _add_plate(bpy: Any, scene: Any, picture: Picture, colour: Picture, normal: Picture) -> None:
-    """The unit square in z = 0 that glows with ``picture``; no light falls on its colour."""
-    mesh = bpy.data.meshes.new("plate")
-    corners = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)]
-    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
-    add_layer(mesh, "plate", np.array([c[:2] for c in corners]))
-    material = bpy.data.materials.new("plate")
-    if material.node_tree is None:
-        material.use_nodes = True
-    material.cycles.emission_sampling = "NONE"
-    tree = material.node_tree
-    tree.nodes.clear()
-    shown = [_texel(bpy, tree, *item) for item in (("light", picture), ("chart", colour))]
-    bent = add_node(tree, "ShaderNodeBsdfDiffuse", Color=shown[1])
-    tree.links.new(_texel(bpy, tree, "normal", normal), bent.inputs["Normal"])
-    glow = add_node(tree, "ShaderNodeEmission", Color=shown[0])
-    both = tree.nodes.new("ShaderNodeAddShader")
-    tree.links.new(glow.outputs[0], both.inputs[0])
-    tree.links.new(bent.outputs[0], both.inputs[1])
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(both.outputs[0], output.inputs["Surface"])
-    mesh.materials.append(material)
-    scene.collection.objects.link(bpy.data.objects.new("plate", mesh))
-
-
-def _texel(bpy: Any, tree: Any, name: str, values: Picture) -> Any:
-    """Socket of the texel under each pixel."""
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image = float_image(bpy, name, values)
-    node.interpolation = "Closest"
-    return node.outputs["Color"]
-
-
-def _add_camera(bpy: Any, scene: Any, shape: tuple[int, int]) -> None:
-    """A camera without perspective that sees the unit square as ``shape`` pixels."""
-    rows, columns = shape
-    data = bpy.data.cameras.new("camera")
-    data.type = "ORTHO"
-    data.ortho_scale = 1.0
-    made = bpy.data.objects.new("camera", data)
-    made.location = (0.5, 0.5, 1.0)
-    scene.collection.objects.link(made)
-    scene.camera = made
-    scene.render.resolution_x, scene.render.resolution_y = columns, rows
-    scene.render.resolution_percentage = 100
-    # Pixels are square: the plate, not the camera, takes the picture's proportions.
-    longer = max(rows, columns)
-    plate = scene.objects["plate"]
-    plate.scale = (columns / longer, rows / longer, 1.0)
-    made.location = (0.5 * columns / longer, 0.5 * rows / longer, 1.0)

@@ -33,6 +33,7 @@ from render.blender import add_camera, build_scene
 from render.cycles import FrameSource, configure, select_device
 from render.libraries import load_bpy
 from render.light_store import bake_path, stored_light
+from render.open_image_denoise import Denoiser
 from render.own_scene import open_own_scene
 from render.presets import Bake
 from render.process import Job
@@ -45,17 +46,18 @@ def _prepare(line: str, on_bake: Callable[[], None]) -> tuple[FrameSource, str]:
     """Build the job's scene; the frame source and the device it uses."""
     job = Job.from_json(line)
     bpy = load_bpy()
-    own = job.apartment.scene_file is not None
+    own, denoiser = job.apartment.scene_file is not None, None
     if own:
         scene = open_own_scene(bpy, job.apartment, job.folder)
         add_camera(bpy, scene, job.camera)
     elif job.preset.bake is not None:
         scene = _baked(bpy, job, job.preset.bake, on_bake)
+        denoiser = Denoiser(bpy, job.threads)
     else:
         scene = build_scene(bpy, job.apartment, job.camera)
     configure(scene, job.preset, job.threads, glass=own)
     used = select_device(bpy, scene, job.device)
-    return FrameSource(bpy, scene, job.camera, job.seed), used
+    return FrameSource(bpy, scene, job.camera, job.seed, denoiser), used
 
 
 def _baked(bpy: Any, job: Job, settings: Bake, on_bake: Callable[[], None]) -> Any:

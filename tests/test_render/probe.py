@@ -19,6 +19,7 @@ from render.blender import add_camera, add_mesh, build_scene, empty_scene
 from render.cycles import FrameSource, configure, luminance, select_device
 from render.libraries import load_bpy
 from render.lighting import SHARES
+from render.open_image_denoise import Denoiser
 from render.presets import PRESETS, Bake, Preset
 from render.shading import build_glow, build_material
 from scenes.apartment import Apartment, Material
@@ -164,7 +165,10 @@ def baked(bpy: Any) -> dict[str, np.ndarray]:
         atlas = lay_out_apartment(room, settings)
         scene = build_baked_scene(bpy, room, camera, atlas, light)
         configure(scene, shown)
-        found[f"baked_{source}"] = FrameSource(bpy, scene, camera).radiance(POSE_IN_ROOM)
+        source_of_light = FrameSource(bpy, scene, camera, denoiser=Denoiser(bpy, 1))
+        found[f"baked_{source}"] = source_of_light.radiance(POSE_IN_ROOM)
+        source_of_light._frames._capture.works = False
+        found[f"baked_file_{source}"] = source_of_light.radiance(POSE_IN_ROOM)
     found["light_again"] = bake(bpy, room, settings, threads=1, device="cpu")
     return found
 

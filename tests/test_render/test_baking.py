@@ -22,6 +22,14 @@ def test_images_from_baked_light_are_those_of_path_tracing(
     assert np.median(np.abs(baked / traced - 1.0)) < 0.05
 
 
+@pytest.mark.parametrize("source", ["interior", "exterior"])
+def test_images_come_through_files_where_memory_cannot_be_read(
+    probed: dict[str, Any], source: str
+) -> None:
+    memory, file = probed[f"baked_{source}"][INSIDE], probed[f"baked_file_{source}"][INSIDE]
+    assert np.median(np.abs(file / memory - 1.0)) < 0.02
+
+
 def test_a_bake_depends_on_no_number_of_threads(probed: dict[str, Any]) -> None:
     np.testing.assert_array_equal(probed["light_exterior"], probed["light_again"])
 
