@@ -10,7 +10,6 @@ the errors of the first bake are averaged away.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,7 +43,9 @@ UNSEEN = 5.0
 OUTSIDE = 20.0
 """Texels outdoors, in texels of uprights."""
 FRAME_REACH = 0.15
-"""How far frames reach beside an opening, m."""
+"""How far frames reach beside a passage, m."""
+WITHIN = 2e-3
+"""What lies deeper in a wall than its face, m."""
 Floats = NDArray[np.float64]
 Picture = NDArray[np.float32]
 White = Material(colour=(1.0, 1.0, 1.0), roughness=1.0)
@@ -93,27 +94,40 @@ def _needed_texels(apartment: Apartment, mesh: Mesh, settings: Bake) -> Floats:
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
     texel = np.full(len(corners), settings.upright)
     texel[normal[:, 2] < -0.7] = settings.overhead
-    texel[_at(apartment, apartment.passages, corners)] = settings.doorway
     upward = normal[:, 2] > 0.7
     texel[upward] = settings.floor
-    # A sill is bright before its window's frame and dim behind it.
-    sill = _at(apartment, apartment.windows, corners)
-    texel[upward & ~sill & (corners[..., 2].min(axis=1) > EYE_LEVEL)] = UNSEEN * settings.upright
-    texel[upward & sill] = settings.upright
-    outside = ~_indoors(apartment, corners.mean(axis=1) + 0.02 * normal)
+    texel[upward & (corners[..., 2].min(axis=1) > EYE_LEVEL)] = UNSEEN * settings.upright
+    texel[_at_passages(apartment, corners) & ~upward] = settings.opening
+    middle = corners.mean(axis=1)
+    # Reveals and sills are bright before the window's frame and dim behind it.
+    texel[_in_windows(apartment, middle)] = settings.opening
+    outside = ~_indoors(apartment, middle + 0.02 * normal)
     texel[outside] = OUTSIDE * settings.upright
     return texel
 
 
-def _at(
-    apartment: Apartment, openings: Sequence[Passage | Window], corners: Floats
-) -> NDArray[np.bool_]:
-    """Which triangles (t, 3, 3) are reveals, lintels and frames of some openings."""
-    places = [place(apartment, item.position, item.width) for item in openings]
+def _at_passages(apartment: Apartment, corners: Floats) -> NDArray[np.bool_]:
+    """Which triangles (t, 3, 3) are reveals, lintels and frames of passages."""
+    places = [place(apartment, item.position, item.width) for item in apartment.passages]
     around = shapely.union_all([cutter(opening, FRAME_REACH) for opening in places])
-    shapely.prepare(around)
-    inside = shapely.intersects_xy(around, corners[..., 0], corners[..., 1])
-    found: NDArray[np.bool_] = inside.all(axis=1)
+    found: NDArray[np.bool_] = _within(around, corners).all(axis=1)
+    return found
+
+
+def _in_windows(apartment: Apartment, points: Floats) -> NDArray[np.bool_]:
+    """Which points (t, 3) lie between a window's wall faces."""
+    found = []
+    for window in apartment.windows:
+        opening = place(apartment, window.position, window.width)
+        half, depth = 0.5 * opening.width + WITHIN, 0.5 * opening.thickness - WITHIN
+        found.append(opening.rectangle((-half, half), (-depth, depth)))
+    return _within(shapely.union_all(found), points)
+
+
+def _within(shape: shapely.Geometry, points: Floats) -> NDArray[np.bool_]:
+    """Which points (..., 3) lie over ``shape``."""
+    shapely.prepare(shape)
+    found: NDArray[np.bool_] = shapely.intersects_xy(shape, points[..., 0], points[..., 1])
     return found
 
 
@@ -122,10 +136,10 @@ def _indoors(apartment: Apartment, points: Floats) -> NDArray[np.bool_]:
     openings: tuple[Passage | Window, ...] = (*apartment.windows, *apartment.passages)
     cuts = [cutter(place(apartment, item.position, item.width)) for item in openings]
     inside = shapely.union_all([rooms_region(apartment), *cuts])
-    shapely.prepare(inside)
     highest = max(room.ceiling_height for room in apartment.rooms)
-    found: NDArray[np.bool_] = shapely.intersects_xy(inside, points[:, 0], points[:, 1])
-    return found & (points[:, 2] > 0.0) & (points[:, 2] < highest)
+    over = _within(inside, points)
+    found: NDArray[np.bool_] = over & (points[:, 2] > 0.0) & (points[:, 2] < highest)
+    return found
 
 
 def _gather(bpy: Any, scene: Any, atlas: Atlas) -> tuple[Picture, NDArray[np.bool_]]:

@@ -25,7 +25,7 @@ from scenes.apartment import Apartment
 __all__ = ["FOLDER", "bake_path", "stored_light"]
 
 FOLDER = "bakes"
-VERSION = 2
+VERSION = 1
 """Raised whenever `render.baking` would make other light of the same apartment."""
 DARK = {"name", "description", "start", "borders", "passageway_contrast"}
 """What of an apartment no light depends on."""

@@ -24,20 +24,20 @@ class Bake:
     ----------
     samples : int
         Paths per texel.
-    overhead, upright, floor, doorway : float
+    overhead, upright, floor, opening : float
         Side of a texel on what looks down (ceilings), sideways, on floors, and on the
-        lintels and frames of passages, m.
+        lintels, reveals and frames of openings, m.
     """
 
     samples: int = 64
     overhead: float = 0.02
     upright: float = 0.03
     floor: float = 0.05
-    doorway: float = 0.012
+    opening: float = 0.012
 
     def scaled(self, factor: float) -> Bake:
         """The same with texels ``factor`` times as large."""
-        sizes = (self.overhead, self.upright, self.floor, self.doorway)
+        sizes = (self.overhead, self.upright, self.floor, self.opening)
         return Bake(self.samples, *(factor * size for size in sizes))
 
 

@@ -39,5 +39,5 @@ def test_presets_survive_json(preset: Preset) -> None:
 
 
 def test_a_scaled_bake_has_larger_texels_and_the_same_samples() -> None:
-    bake = Bake(samples=7, overhead=0.01, upright=0.02, floor=0.03, doorway=0.04)
+    bake = Bake(samples=7, overhead=0.01, upright=0.02, floor=0.03, opening=0.04)
     assert bake.scaled(2.0) == Bake(7, 0.02, 0.04, 0.06, 0.08)
