@@ -24,10 +24,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.alignment import wall_heading
-from simulator.frontier import Entrance, Frontier, find_frontiers, free_run, propose_entrance
+from simulator.frontier import (
+    Entrance,
+    Frontier,
+    find_frontiers,
+    free_run,
+    outlook,
+    propose_entrance,
+)
+from simulator.gridcells import Discs
 from simulator.lanes import Lane, LaneDriver
+from simulator.outlook import Outlook
 from simulator.pilot import Pilot, direction
-from simulator.robot import wrap
+from simulator.robot import RobotSpec, wrap
 from simulator.vehicle import Vehicle
 
 __all__ = ["CoverageStrategy"]
@@ -59,15 +68,22 @@ class _Plan:
 
     ``clearance`` that its centre needs, m; ``toll``: its places count as so much farther
     away, m; ``tries`` to drive to a place: a tight gap is often missed at first;
-    ``tried``: places that are not entered again; ``unreached``: those that could not be
-    reached.
+    ``view`` of what is left to cover so; ``tried``: places that are not entered again;
+    ``unreached``: those that could not be reached.
     """
 
     clearance: float
     toll: float
     tries: int
+    view: Outlook
     tried: list[Floats] = field(default_factory=list)
     unreached: list[Floats] = field(default_factory=list)
+
+
+def _plan(robot: RobotSpec, caution: float, toll: float, tries: int) -> _Plan:
+    """Plan ``caution`` m nearer to obstacles than the radius."""
+    clearance = robot.radius - caution
+    return _Plan(clearance, toll, tries, outlook(robot, clearance))
 
 
 class CoverageStrategy:
@@ -88,9 +104,8 @@ class CoverageStrategy:
         self.pilot = Pilot(vehicle)
         self.robot = vehicle.robot
         self.lanes = LaneDriver(self.pilot, progress)
-        radius = vehicle.robot.radius
-        self._usual = _Plan(radius - vehicle.robot.caution, 0.0, tries=1)
-        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD, tries=3)
+        self._usual = _plan(vehicle.robot, vehicle.robot.caution, 0.0, tries=1)
+        self._bold = _plan(vehicle.robot, vehicle.robot.last_caution, _BOLD, tries=3)
         self._plan = self._usual
         self._parts = 0
         self._second_chances = _SECOND_CHANCES
@@ -185,11 +200,8 @@ class CoverageStrategy:
 
     def _free_run(self, point: Floats, heading: float) -> float:
         """Seen free length from a point along a heading, m."""
-        nodes = self.vehicle.graph.position
-        grid = self.vehicle.grid
-        run = free_run(
-            grid, nodes, point[None], heading, spec=self.robot, clearance=self._plan.clearance
-        )
+        covered = Discs(self.vehicle.graph.table(), self.robot.overlap_radius)
+        run = free_run(self.vehicle.grid, covered, point[None], heading, self._plan.clearance)
         return float(run[0])
 
     def _add_parallel(self, lane: Lane, start: _Neighbour) -> Lane | None:
@@ -263,7 +275,7 @@ class CoverageStrategy:
             found += [
                 (plan.toll + self._way(frontier, length), plan, frontier)
                 for frontier in find_frontiers(
-                    grid, graph.position, self._tried(plan), self.robot, plan.clearance
+                    grid, graph.position, self._tried(plan), self.robot, plan.view
                 )
             ]
         return sorted(found, key=itemgetter(0))
@@ -276,7 +288,7 @@ class CoverageStrategy:
         graph = self.vehicle.graph
         return propose_entrance(
             self.vehicle.grid,
-            graph.position,
+            graph,
             frontier,
             self.lanes.headings[graph.lane[frontier.node[0]]],
             spec=self.robot,

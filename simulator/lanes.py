@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.frontier import free_run
+from simulator.gridcells import Discs
 from simulator.pilot import End, Pilot, direction
 from simulator.robot import wrap
 
@@ -162,16 +163,10 @@ class LaneDriver:
 
     def _has_opened(self, heading: float, clearance: float) -> bool:
         """Whether a piercing lane has come out of the narrow passage."""
-        nodes = np.zeros((0, 2))
+        nothing = Discs(self._vehicle.graph.table(), 0.0)
+        here = self.pilot.position[None]
         room = [
-            free_run(
-                self._vehicle.grid,
-                nodes,
-                self.pilot.position[None],
-                heading + turn,
-                spec=self.robot,
-                clearance=clearance,
-            )[0]
+            free_run(self._vehicle.grid, nothing, here, heading + turn, clearance)[0]
             for turn in (0.5 * np.pi, -0.5 * np.pi)
         ]
         return bool(min(room) >= self.robot.piercing_opening)

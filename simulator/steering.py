@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from simulator.compiled import compiled
 from simulator.graph import Table, distance_at
 from simulator.gridcells import is_blocked_ahead
-from simulator.motion import Machine, Settings, has_room, step
+from simulator.motion import NOW, Machine, Settings, has_room, step
 from simulator.robot import wrap
 from simulator.trigonometry import arctangent, sine_cosine
 
@@ -54,11 +54,16 @@ class Ended(NamedTuple):
 
 
 @compiled
-def drive(machine: Machine, speed: float, turn_rate: float, rng: np.random.Generator) -> Ended:
-    """One time step at a speed, m/s, and a turn rate, rad/s."""
-    if not has_room(machine):
-        return Ended(NO_ROOM)
-    return Ended(CONTACT if step(machine, speed, turn_rate, rng) else ARRIVED)
+def drive(
+    machine: Machine, speed: float, turn_rate: float, end: float, rng: np.random.Generator
+) -> Ended:
+    """Drive at a speed, m/s, and a turn rate, rad/s, until the time ``end``, s."""
+    while machine.body.clock[NOW] < end - 0.5 * machine.settings.time_step:
+        if not has_room(machine):
+            return Ended(NO_ROOM)
+        if step(machine, speed, turn_rate, rng):
+            return Ended(CONTACT)
+    return Ended(ARRIVED)
 
 
 @compiled
