@@ -47,7 +47,7 @@ def shortest(ways: Ways, total: int, start: int, goal: int) -> tuple[Floats, Int
             break
         entry = ways.newest[node] if reached <= length[node] else -1
         while entry >= 0:
-            other = np.int64(ways.edges[entry // 2, 1 - entry % 2])
+            other = int(ways.edges[entry // 2, 1 - entry % 2])
             through = reached + ways.length[entry // 2]
             if through < length[other]:
                 length[other], previous[other] = through, node
