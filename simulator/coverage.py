@@ -62,22 +62,26 @@ class _Neighbour:
     point: Floats
 
 
-@dataclass(frozen=True)
+def _nowhere() -> Floats:
+    return np.zeros((0, 2))
+
+
+@dataclass
 class _Plan:
     """How boldly the robot plans.
 
     ``clearance`` that its centre needs, m; ``toll``: its places count as so much farther
     away, m; ``tries`` to drive to a place: a tight gap is often missed at first;
-    ``view`` of what is left to cover so; ``tried``: places that are not entered again;
-    ``unreached``: those that could not be reached.
+    ``view`` of what is left to cover so; ``tried`` (t, 2) m: places that are not entered
+    again; ``unreached`` (u, 2) m: those that could not be reached.
     """
 
     clearance: float
     toll: float
     tries: int
     view: Outlook
-    tried: list[Floats] = field(default_factory=list)
-    unreached: list[Floats] = field(default_factory=list)
+    tried: Floats = field(default_factory=_nowhere)
+    unreached: Floats = field(default_factory=_nowhere)
 
 
 def _plan(robot: RobotSpec, caution: float, toll: float, tries: int) -> _Plan:
@@ -189,10 +193,9 @@ class CoverageStrategy:
         limit = min(self.robot.cover_radius, spacing - 0.05)
         valid &= self.vehicle.graph.distances(points) > limit
         tried = self._tried(self._plan)
-        if len(tried):
-            gap = points[:, None] - tried[None]
-            valid &= np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > 0.1
-        return valid
+        low, high = points.min(axis=0) - 0.2, points.max(axis=0) + 0.2
+        gap = points[:, None] - tried[((tried > low) & (tried < high)).all(axis=1)]
+        return np.asarray(valid & (np.hypot(gap[..., 0], gap[..., 1]) > 0.1).all(axis=1))
 
     def _length_through(self, point: Floats, heading: float) -> float:
         """Seen free length of a lane through a point, m."""
@@ -251,16 +254,16 @@ class CoverageStrategy:
                 if entrance is not None:
                     self._plan = plan
                     return entrance
-                plan.tried.extend(frontier.points[::4])
+                plan.tried = np.vstack([plan.tried, frontier.points[::4]])
 
     def _look_again(self) -> None:
         """Before going home: count more as seen, and try once more what was not reached."""
         self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
         if self._rounds > 0:
             self._rounds -= 1
-            self.lanes.forgotten.clear()
+            self.lanes.forgotten = _nowhere()
             for plan in (self._usual, self._bold):
-                plan.unreached.clear()
+                plan.unreached = _nowhere()
 
     def _frontiers(self) -> list[tuple[float, _Plan, Frontier]]:
         """What either plan could reach, the nearest first, with its way and toll, m."""
@@ -282,7 +285,7 @@ class CoverageStrategy:
 
     def _tried(self, plan: _Plan) -> Floats:
         """Places that are not tried again, (t, 2) m."""
-        return np.array(plan.tried + plan.unreached + self.lanes.forgotten).reshape(-1, 2)
+        return np.vstack([plan.tried, plan.unreached, self.lanes.forgotten])
 
     def _entrance(self, frontier: Frontier, plan: _Plan) -> Entrance | None:
         graph = self.vehicle.graph
@@ -318,10 +321,10 @@ class CoverageStrategy:
             # The place is not to blame, and is worth another try from elsewhere.
             self._second_chances -= 1
         else:
-            self._plan.unreached.append(point)
+            self._plan.unreached = np.vstack([self._plan.unreached, point])
         return False
 
     def _give_up_if_uncovered(self, point: Floats) -> None:
         """Remember a place that was entered but that the lane did not cover."""
         if self.vehicle.graph.distances(point[None])[0] > self.robot.cover_radius:
-            self._plan.tried.append(point)
+            self._plan.tried = np.vstack([self._plan.tried, point])

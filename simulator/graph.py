@@ -31,7 +31,7 @@ class MapGraph:
         self._true_pose = np.zeros((256, 3))
         self.part: list[int] = []
         self.lane: list[int] = []
-        self._buckets = _Buckets(np.full(_BUCKETS, -1), np.zeros(256, np.int64))
+        self._buckets = _bucketed(self._estimate, 0)
         self._ways = Ways(
             np.zeros((256, 2), np.int32),
             np.zeros(256),
@@ -75,7 +75,7 @@ class MapGraph:
         node = len(self)
         if node == len(self._estimate):
             self._estimate, self._true_pose = _twice(self._estimate), _twice(self._true_pose)
-            self._buckets = self._buckets._replace(following=_twice(self._buckets.following))
+            self._buckets = _bucketed(self._estimate, node)
             self._ways = self._ways._replace(newest=_twice(self._ways.newest))
         self._estimate[node] = estimate
         self._ways.newest[node] = -1
@@ -103,7 +103,7 @@ class MapGraph:
 
     def joins(self, first: int) -> bool:
         """Whether an edge joins the nodes from ``first`` on to older ones."""
-        return bool(((self.edges[:, 0] < first) & (self.edges[:, 1] >= first)).any())
+        return bool((self.edges[self._edges_before(first) :, 0] < first).any())
 
     def bar(self, point: Floats, radius: float) -> None:
         """Make ways along the edges within ``radius`` m of a point (2,), m, longer.
@@ -122,9 +122,13 @@ class MapGraph:
             _remove(self._estimate, self._buckets, node)
         del self.part[first:]
         del self.lane[first:]
-        self._remove_edges(int((self.edges[:, 1] < first).sum()))
+        self._remove_edges(self._edges_before(first))
         self.visits = [visit for visit in self.visits if visit[1] < first]
         self._near = self._near[self._near < first]
+
+    def _edges_before(self, first: int) -> int:
+        """How many edges join nodes before ``first``: they are older than all others."""
+        return bisect.bisect_left(self.edges[:, 1], first)
 
     def _remove_edges(self, first: int) -> None:
         """Forget the edges from ``first`` on."""
@@ -143,7 +147,9 @@ class MapGraph:
         times : array, shape (t,)
             s.
         """
-        steps, nodes, self._near = _entered(self.table(), places, radius, self._near)
+        steps, nodes, self._near = _entered(
+            self.table(), np.ascontiguousarray(places), radius, self._near
+        )
         self.visits.extend(zip(times[steps].tolist(), nodes.tolist(), strict=True))
 
     def distances(self, points: Floats, running_lane: int = -1) -> Floats:
@@ -182,10 +188,8 @@ def _twice(rows: Array) -> Array:
     return cast(Array, np.concatenate([rows, np.zeros_like(rows)]))
 
 
-_BUCKETS = 4096
-"""Of a hash table of square cells."""
 _SIDE = 0.4
-"""Of the cells, m."""
+"""Of the square cells that nodes are looked up by, m."""
 _FAR = 1.0
 """The nearest node is not looked for beyond, m."""
 
@@ -193,8 +197,8 @@ _FAR = 1.0
 class _Buckets(NamedTuple):
     """Nodes by the cell that they lie in, as linked lists of the newest first.
 
-    ``first`` (_BUCKETS,): the newest node of a bucket, -1 for none; ``following`` (n,):
-    the next older one. Cells far apart may share a bucket: distances are always checked.
+    ``first`` (n,): the newest node of a bucket, -1 for none; ``following`` (n,): the next
+    older one. Cells far apart may share a bucket: distances are always checked.
     """
 
     first: NDArray[np.int64]
@@ -216,14 +220,29 @@ class Table(NamedTuple):
 
 
 @compiled
-def _bucket(i: int, j: int) -> int:
-    return (i * 73856093 ^ j * 19349663) % _BUCKETS
+def _bucketed(nodes: Floats, count: int) -> _Buckets:
+    """The first ``count`` nodes, and room for the others."""
+    buckets = _Buckets(np.full(len(nodes), -1), np.zeros(len(nodes), np.int64))
+    for node in range(count):
+        _insert(nodes, buckets, node)
+    return buckets
+
+
+@compiled
+def _bucket(buckets: _Buckets, i: int, j: int) -> int:
+    return (i * 73856093 ^ j * 19349663) % len(buckets.first)
+
+
+@compiled
+def _bucket_of(nodes: Floats, buckets: _Buckets, node: int) -> int:
+    x, y = nodes[node, 0], nodes[node, 1]
+    return _bucket(buckets, math.floor(x / _SIDE), math.floor(y / _SIDE))
 
 
 @compiled
 def _insert(nodes: Floats, buckets: _Buckets, node: int) -> None:
     """Put a new node in front of its bucket's list."""
-    bucket = _bucket(math.floor(nodes[node, 0] / _SIDE), math.floor(nodes[node, 1] / _SIDE))
+    bucket = _bucket_of(nodes, buckets, node)
     buckets.following[node] = buckets.first[bucket]
     buckets.first[bucket] = node
 
@@ -231,8 +250,7 @@ def _insert(nodes: Floats, buckets: _Buckets, node: int) -> None:
 @compiled
 def _remove(nodes: Floats, buckets: _Buckets, node: int) -> None:
     """Take the newest node out again."""
-    bucket = _bucket(math.floor(nodes[node, 0] / _SIDE), math.floor(nodes[node, 1] / _SIDE))
-    buckets.first[bucket] = buckets.following[node]
+    buckets.first[_bucket_of(nodes, buckets, node)] = buckets.following[node]
 
 
 @compiled
@@ -243,7 +261,7 @@ def _within(table: Table, x: float, y: float, radius: float) -> Nodes:
     found = 0
     for i in range(math.floor((x - radius) / _SIDE), math.floor((x + radius) / _SIDE) + 1):
         for j in range(math.floor((y - radius) / _SIDE), math.floor((y + radius) / _SIDE) + 1):
-            node = buckets.first[_bucket(i, j)]
+            node = buckets.first[_bucket(buckets, i, j)]
             while node >= 0:
                 u, v = nodes[node, 0], nodes[node, 1]
                 here = math.floor(u / _SIDE) == i and math.floor(v / _SIDE) == j
@@ -260,7 +278,7 @@ def is_near(table: Table, x: float, y: float, radius: float) -> bool:
     nodes, buckets = table.estimate, table.buckets
     for i in range(math.floor((x - radius) / _SIDE), math.floor((x + radius) / _SIDE) + 1):
         for j in range(math.floor((y - radius) / _SIDE), math.floor((y + radius) / _SIDE) + 1):
-            node = buckets.first[_bucket(i, j)]
+            node = buckets.first[_bucket(buckets, i, j)]
             while node >= 0:
                 u, v = nodes[node, 0] - x, nodes[node, 1] - y
                 if u * u + v * v <= radius * radius:
@@ -317,21 +335,21 @@ def _distances(table: Table, points: Floats) -> Floats:
     """Distance from points (m, 2) to the nearest node that is not new, m."""
     distance = np.full(len(points), np.inf)
     for k in range(len(points)):
-        distance[k] = distance_at(table, points[k, 0], points[k, 1])
+        distance[k] = distance_at(table, points[k, 0], points[k, 1], _FAR)
     return distance
 
 
 @compiled
-def distance_at(table: Table, x: float, y: float) -> float:
-    """Distance from a point to the nearest node that is not new, m; ``inf`` beyond 1 m."""
+def distance_at(table: Table, x: float, y: float, limit: float) -> float:
+    """Distance from a point to the nearest node that is not new, m; ``inf`` beyond a limit."""
     nodes, buckets = table.estimate, table.buckets
     best = np.inf
-    for i in range(math.floor((x - _FAR) / _SIDE), math.floor((x + _FAR) / _SIDE) + 1):
-        for j in range(math.floor((y - _FAR) / _SIDE), math.floor((y + _FAR) / _SIDE) + 1):
-            node = buckets.first[_bucket(i, j)]
+    for i in range(math.floor((x - limit) / _SIDE), math.floor((x + limit) / _SIDE) + 1):
+        for j in range(math.floor((y - limit) / _SIDE), math.floor((y + limit) / _SIDE) + 1):
+            node = buckets.first[_bucket(buckets, i, j)]
             while node >= 0:
                 u, v = nodes[node, 0] - x, nodes[node, 1] - y
-                if node < table.older and u * u + v * v <= _FAR * _FAR:
+                if node < table.older and u * u + v * v <= limit * limit:
                     best = min(best, math.sqrt(u * u + v * v))
                 node = buckets.following[node]
     return best

@@ -46,15 +46,15 @@ class LaneDriver:
     ----------
     headings : list of float
         Heading of every finished lane, by its running number, rad.
-    forgotten : list of array
-        Where the nodes of forgotten lanes were, (2,) m each: there is no use in trying again.
+    forgotten : array, shape (f, 2)
+        Where the nodes of forgotten lanes were, m: there is no use in trying again.
     """
 
     def __init__(self, pilot: Pilot, progress: Callable[[int, float], None] | None) -> None:
         self.pilot = pilot
         self.robot = pilot.robot
         self.headings: list[float] = []
-        self.forgotten: list[Floats] = []
+        self.forgotten: Floats = np.zeros((0, 2))
         self._vehicle = pilot.vehicle
         self._progress = progress
 
@@ -120,7 +120,7 @@ class LaneDriver:
         graph = self._vehicle.graph
         joined = first == 0 or graph.joins(first)
         if not joined and not self._join(first):
-            self.forgotten.extend(graph.position[first:].copy())
+            self.forgotten = np.vstack([self.forgotten, graph.position[first:]])
             graph.remove_from(first)
             return None
         self.headings.append(heading)

@@ -95,7 +95,7 @@ class Outlook:
         around = math.ceil((math.ceil(self._clearance / CELL) + SUPPORT) / TILE)
         square = np.ones((2 * around + 1, 2 * around + 1), np.uint8)
         tiles = np.argwhere(cv2.dilate(changed.view(np.uint8), square))
-        gridcells.open_again(self._open, grid.table, tiles, self._clearance)
+        gridcells.open_again(self._open, grid.table, np.ascontiguousarray(tiles), self._clearance)
         np.copyto(self._evidence, grid.evidence)
         np.copyto(self._seen, grid.seen)
 

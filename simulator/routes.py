@@ -39,7 +39,7 @@ def shortest(ways: Ways, total: int, start: int, goal: int) -> tuple[Floats, Int
     length, previous = np.full(total, np.inf), np.full(total, -1)
     keys, nodes = np.empty(len(ways.older) + 1), np.empty(len(ways.older) + 1, np.int64)
     length[start] = 0.0
-    size = _push(keys, nodes, 0, 0.0, start)
+    keys[0], nodes[0], size = 0.0, start, 1
     while size > 0:
         reached, node = keys[0], nodes[0]
         size = _pop(keys, nodes, size)

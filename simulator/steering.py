@@ -122,8 +122,9 @@ def is_covered_ahead(nodes: Table, pose: Floats, settings: Settings) -> bool:
     """Whether nodes of other lanes already cover what lies one node spacing ahead."""
     ahead_y, ahead_x = sine_cosine(pose[2])
     x, y = pose[0] + settings.node_spacing * ahead_x, pose[1] + settings.node_spacing * ahead_y
-    then = distance_at(nodes, x, y)
-    return then < settings.overlap_radius and then < distance_at(nodes, pose[0], pose[1])
+    limit = settings.overlap_radius
+    then = distance_at(nodes, x, y, limit)
+    return then < limit and then < distance_at(nodes, pose[0], pose[1], limit)
 
 
 @compiled
