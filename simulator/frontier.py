@@ -76,20 +76,18 @@ def find_frontiers(
     what it saw for the next time.
     """
     cells, component, node = view.look(grid, nodes, Covered(tried, _TRIED))
-    points = grid.centres(cells)
-    gap = points - nodes[node]
-    deep = np.where(node >= 0, np.sqrt((gap * gap).sum(axis=1)), np.inf)
-    area = np.bincount(component) * CELL**2
-    depth = np.zeros(len(area))
-    np.maximum.at(depth, component, deep)
-    worth = (area >= spec.frontier_area) & (depth >= spec.cover_radius + spec.frontier_depth)
-    beside = np.flatnonzero((deep <= spec.lane_spacing + _BESIDE) & worth[component])
-    frontiers = []
-    for k in np.flatnonzero(worth):
-        mine = beside[component[beside] == k]
-        if len(mine):
-            frontiers.append(Frontier(points[mine], node[mine], deep[mine]))
-    return frontiers
+    near = np.flatnonzero(node >= 0)
+    x, y = (grid.centres(cells[near]) - nodes[node[near]]).T
+    away = np.full(len(cells), np.inf)
+    away[near] = np.sqrt(x * x + y * y)
+    deep = np.bincount(component, away >= spec.cover_radius + spec.frontier_depth) > 0
+    worth = deep & (np.bincount(component) * CELL**2 >= spec.frontier_area)
+    beside = near[(away[near] <= spec.lane_spacing + _BESIDE) & worth[component[near]]]
+    beside = beside[np.argsort(component[beside], kind="stable")]
+    parts = np.split(beside, np.flatnonzero(np.diff(component[beside])) + 1)
+    return [
+        Frontier(grid.centres(cells[mine]), node[mine], away[mine]) for mine in parts if len(mine)
+    ]
 
 
 def free_run(
