@@ -60,3 +60,10 @@ def machine_at(
         sensor.look(),
         Trust(*(float(getattr(robot, name)) for name in Trust._fields)),
     )
+
+
+def seen_square(grid, centre, half):
+    """A square of the grid counts as seen, ``half`` m each way."""
+    grid.hold(centre, half)
+    low, high = grid.cells(np.stack([centre - half, centre + half]))
+    grid.seen[low[0] : high[0] + 1, low[1] : high[1] + 1] = True

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
 
-from simulator.graph import MapGraph
+from simulator.graph import MapGraph, distance_at, is_near
 
 
 def chain(n=5, spacing=0.1):
@@ -59,38 +58,6 @@ def test_a_barred_place_is_gone_around():
     assert graph.routes(0)[0][3] == pytest.approx(1.0, abs=1e-4)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_paths_agree_with_scipy(seed):
-    """Over a map that grows, is barred and forgets."""
-    rng = np.random.default_rng(seed)
-    graph = MapGraph()
-    for count in (40, 300, 700):
-        graph.remove_from(int(0.8 * len(graph)))
-        while len(graph) < count:
-            place = rng.uniform(0.0, 0.1 * np.sqrt(count), 3)
-            node = graph.add_node(place, np.zeros(3), 0, 0, 0.0)
-            for other in graph.within(place, 0.2)[1:6]:
-                graph.add_edge(node, int(other))
-        lengths = np.linalg.norm(
-            graph.position[graph.edges[:, 0]] - graph.position[graph.edges[:, 1]], axis=1
-        )
-        matrix = csr_array((lengths, graph.edges.T), shape=(count, count))
-        for start, goal in rng.integers(0, count, (5, 2)):
-            right = dijkstra(matrix, directed=False, indices=start)
-            length, previous = graph.routes(start)
-            np.testing.assert_allclose(length, right, atol=1e-3)
-            steps = np.flatnonzero(previous >= 0)
-            assert set(steps) == set(np.flatnonzero(np.isfinite(right))) - {start}
-            pairs = {tuple(pair) for pair in graph.edges.tolist()}
-            assert all((min(k, p), max(k, p)) in pairs for k, p in enumerate(previous) if p >= 0)
-            length, until = graph.routes(start, goal)
-            assert length[goal] == pytest.approx(right[goal], abs=1e-3)
-            node = goal
-            while until[node] >= 0:
-                assert until[node] == previous[node]
-                node = until[node]
-
-
 def test_one_visit_per_approach():
     graph = chain(2)
     graph.visits.clear()
@@ -112,6 +79,46 @@ def test_forgetting_the_last_nodes():
 def test_many_nodes_grow_the_arrays():
     graph = chain(700)
     np.testing.assert_allclose(graph.position[:, 0], 0.1 * np.arange(700))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_nodes_are_found_as_by_a_tree(seed):
+    """While the table grows, and nodes far apart share its buckets."""
+    rng = np.random.default_rng(seed)
+    graph = MapGraph()
+    for count in (100, 300, 1100):
+        while len(graph) < count:
+            graph.add_node(rng.uniform(-5.0, 5.0, 3), np.zeros(3), 0, 0, 0.0)
+        graph.remove_from(count - 40)
+        tree = cKDTree(graph.position)
+        points = rng.uniform(-6.0, 6.0, (50, 2))
+        np.testing.assert_allclose(
+            graph.distances(points), tree.query(points, distance_upper_bound=1.0)[0], atol=1e-12
+        )
+        for point in points:
+            away = np.hypot(*(graph.position - point).T)
+            near = graph.within(point, 0.7)
+            assert sorted(near) == sorted(tree.query_ball_point(point, 0.7))
+            assert (np.diff(away[near]) >= 0.0).all()
+            for limit in (0.15, 0.5):
+                right = away.min() if away.min() <= limit else np.inf
+                found = distance_at(graph.table(), point[0], point[1], limit)
+                assert found == pytest.approx(right)
+                assert is_near(graph.table(), point[0], point[1], limit) == np.isfinite(right)
+
+
+def test_whether_an_edge_joins_a_lane_to_older_nodes():
+    graph = chain(6)
+    assert graph.joins(4)
+    for node in (6, 7, 8):
+        graph.add_node(np.array([0.1 * node, 0.5, 0.0]), np.zeros(3), 0, 1, 9.0)
+    graph.add_edge(6, 7)
+    graph.add_edge(7, 8)
+    assert not graph.joins(6)
+    graph.add_edge(2, 7)
+    assert graph.joins(6)
+    graph.remove_from(6)
+    assert len(graph.edges) == 5
 
 
 def test_distances_leave_out_a_lane():
