@@ -30,7 +30,7 @@ def compiled(function: Function) -> Function:
 
     Without ``fastmath``: sums keep their order, so that every machine gives the same bytes.
     """
-    dispatcher = numba.njit(cache=True, no_cfunc_wrapper=True)(function)
+    dispatcher = numba.njit(cache=True)(function)
     # What is kept holds the functions that it calls, too; numba looks at one file only.
     dispatcher._cache._cache_file._source_stamp = _STAMP
     return cast(Function, dispatcher)
