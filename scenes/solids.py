@@ -42,6 +42,7 @@ __all__ = [
     "polygons",
     "rooms_region",
     "solid_groups",
+    "standing",
     "wall_region",
 ]
 
@@ -234,11 +235,12 @@ def obstacles(apartment: Apartment, low: float = DRIVEN_OVER, high: float = 0.10
     -------
     MultiPolygon
     """
-    shapes = [
-        prism.footprint
-        for prism in apartment_solids(apartment)
-        if prism.bottom < high and prism.top > low
-    ]
+    return standing(apartment_solids(apartment), low, high)
+
+
+def standing(solids: list[Prism], low: float = DRIVEN_OVER, high: float = 0.10) -> MultiPolygon:
+    """`obstacles` of an apartment with these solids."""
+    shapes = [prism.footprint for prism in solids if prism.bottom < high and prism.top > low]
     return MultiPolygon(polygons(shapely.union_all(shapes)))
 
 

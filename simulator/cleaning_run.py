@@ -17,7 +17,7 @@ from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
 from scenes.passages import room_borders
 from scenes.rooms import room_shapes
-from scenes.solids import floor_region, obstacles
+from scenes.solids import apartment_solids, floor_region, standing
 from simulator.coverage import CoverageStrategy
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
@@ -77,10 +77,11 @@ def simulate(
         ``robot.time_limit``.
     """
     robot, sensor = robot or RobotSpec(), sensor or SensorSpec()
+    solids = apartment_solids(apartment)
     world = World(
-        obstacles(apartment, high=robot.height),
-        seen_surfaces(apartment, sensor.height),
-        floor_covers(apartment),
+        standing(solids, high=robot.height),
+        seen_surfaces(apartment, solids, sensor.height),
+        floor_covers(solids),
         maximum_range=sensor.maximum_range,
     )
     pose = np.array(base_pose(apartment, robot) if start is None else start, dtype=np.float64)

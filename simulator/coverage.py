@@ -24,10 +24,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.alignment import wall_heading
-from simulator.frontier import Entrance, Frontier, find_frontiers, free_run, propose_entrance
+from simulator.frontier import (
+    Entrance,
+    Frontier,
+    find_frontiers,
+    free_run,
+    outlook,
+    propose_entrance,
+)
+from simulator.gridcells import Discs
 from simulator.lanes import Lane, LaneDriver
+from simulator.outlook import Outlook
 from simulator.pilot import Pilot, direction
-from simulator.robot import wrap
+from simulator.robot import RobotSpec, wrap
 from simulator.vehicle import Vehicle
 
 __all__ = ["CoverageStrategy"]
@@ -53,21 +62,32 @@ class _Neighbour:
     point: Floats
 
 
-@dataclass(frozen=True)
+def _nowhere() -> Floats:
+    return np.zeros((0, 2))
+
+
+@dataclass
 class _Plan:
     """How boldly the robot plans.
 
     ``clearance`` that its centre needs, m; ``toll``: its places count as so much farther
     away, m; ``tries`` to drive to a place: a tight gap is often missed at first;
-    ``tried``: places that are not entered again; ``unreached``: those that could not be
-    reached.
+    ``view`` of what is left to cover so; ``tried`` (t, 2) m: places that are not entered
+    again; ``unreached`` (u, 2) m: those that could not be reached.
     """
 
     clearance: float
     toll: float
     tries: int
-    tried: list[Floats] = field(default_factory=list)
-    unreached: list[Floats] = field(default_factory=list)
+    view: Outlook
+    tried: Floats = field(default_factory=_nowhere)
+    unreached: Floats = field(default_factory=_nowhere)
+
+
+def _plan(robot: RobotSpec, caution: float, toll: float, tries: int) -> _Plan:
+    """Plan ``caution`` m nearer to obstacles than the radius."""
+    clearance = robot.radius - caution
+    return _Plan(clearance, toll, tries, outlook(robot, clearance))
 
 
 class CoverageStrategy:
@@ -88,9 +108,8 @@ class CoverageStrategy:
         self.pilot = Pilot(vehicle)
         self.robot = vehicle.robot
         self.lanes = LaneDriver(self.pilot, progress)
-        radius = vehicle.robot.radius
-        self._usual = _Plan(radius - vehicle.robot.caution, 0.0, tries=1)
-        self._bold = _Plan(radius - vehicle.robot.last_caution, _BOLD, tries=3)
+        self._usual = _plan(vehicle.robot, vehicle.robot.caution, 0.0, tries=1)
+        self._bold = _plan(vehicle.robot, vehicle.robot.last_caution, _BOLD, tries=3)
         self._plan = self._usual
         self._parts = 0
         self._second_chances = _SECOND_CHANCES
@@ -174,10 +193,9 @@ class CoverageStrategy:
         limit = min(self.robot.cover_radius, spacing - 0.05)
         valid &= self.vehicle.graph.distances(points) > limit
         tried = self._tried(self._plan)
-        if len(tried):
-            gap = points[:, None] - tried[None]
-            valid &= np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > 0.1
-        return valid
+        low, high = points.min(axis=0) - 0.2, points.max(axis=0) + 0.2
+        gap = points[:, None] - tried[((tried > low) & (tried < high)).all(axis=1)]
+        return np.asarray(valid & (np.hypot(gap[..., 0], gap[..., 1]) > 0.1).all(axis=1))
 
     def _length_through(self, point: Floats, heading: float) -> float:
         """Seen free length of a lane through a point, m."""
@@ -185,11 +203,8 @@ class CoverageStrategy:
 
     def _free_run(self, point: Floats, heading: float) -> float:
         """Seen free length from a point along a heading, m."""
-        nodes = self.vehicle.graph.position
-        grid = self.vehicle.grid
-        run = free_run(
-            grid, nodes, point[None], heading, spec=self.robot, clearance=self._plan.clearance
-        )
+        covered = Discs(self.vehicle.graph.table(), self.robot.overlap_radius)
+        run = free_run(self.vehicle.grid, covered, point[None], heading, self._plan.clearance)
         return float(run[0])
 
     def _add_parallel(self, lane: Lane, start: _Neighbour) -> Lane | None:
@@ -239,16 +254,16 @@ class CoverageStrategy:
                 if entrance is not None:
                     self._plan = plan
                     return entrance
-                plan.tried.extend(frontier.points[::4])
+                plan.tried = np.vstack([plan.tried, frontier.points[::4]])
 
     def _look_again(self) -> None:
         """Before going home: count more as seen, and try once more what was not reached."""
         self.vehicle.grid.bridge_seen(_BETWEEN_BEAMS)
         if self._rounds > 0:
             self._rounds -= 1
-            self.lanes.forgotten.clear()
+            self.lanes.forgotten = _nowhere()
             for plan in (self._usual, self._bold):
-                plan.unreached.clear()
+                plan.unreached = _nowhere()
 
     def _frontiers(self) -> list[tuple[float, _Plan, Frontier]]:
         """What either plan could reach, the nearest first, with its way and toll, m."""
@@ -263,20 +278,20 @@ class CoverageStrategy:
             found += [
                 (plan.toll + self._way(frontier, length), plan, frontier)
                 for frontier in find_frontiers(
-                    grid, graph.position, self._tried(plan), self.robot, plan.clearance
+                    grid, graph.position, self._tried(plan), self.robot, plan.view
                 )
             ]
         return sorted(found, key=itemgetter(0))
 
     def _tried(self, plan: _Plan) -> Floats:
         """Places that are not tried again, (t, 2) m."""
-        return np.array(plan.tried + plan.unreached + self.lanes.forgotten).reshape(-1, 2)
+        return np.vstack([plan.tried, plan.unreached, self.lanes.forgotten])
 
     def _entrance(self, frontier: Frontier, plan: _Plan) -> Entrance | None:
         graph = self.vehicle.graph
         return propose_entrance(
             self.vehicle.grid,
-            graph.position,
+            graph,
             frontier,
             self.lanes.headings[graph.lane[frontier.node[0]]],
             spec=self.robot,
@@ -306,10 +321,10 @@ class CoverageStrategy:
             # The place is not to blame, and is worth another try from elsewhere.
             self._second_chances -= 1
         else:
-            self._plan.unreached.append(point)
+            self._plan.unreached = np.vstack([self._plan.unreached, point])
         return False
 
     def _give_up_if_uncovered(self, point: Floats) -> None:
         """Remember a place that was entered but that the lane did not cover."""
         if self.vehicle.graph.distances(point[None])[0] > self.robot.cover_radius:
-            self._plan.tried.append(point)
+            self._plan.tried = np.vstack([self._plan.tried, point])

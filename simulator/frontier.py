@@ -14,17 +14,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from simulator.gridcells import CELL, Covered
+from simulator.graph import MapGraph
+from simulator.gridcells import CELL, Covered, Discs
 from simulator.gridmap import GridMap
+from simulator.outlook import Outlook
 from simulator.robot import RobotSpec
 from simulator.trigonometry import sine_cosine
 
-__all__ = ["Entrance", "Frontier", "find_frontiers", "free_run", "propose_entrance"]
+__all__ = ["Entrance", "Frontier", "find_frontiers", "free_run", "outlook", "propose_entrance"]
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +32,8 @@ _STEP = 0.05
 """Spacing of the places that are looked at along a free run, m."""
 _BESIDE = 0.05
 """So much more than the lane spacing from a node, m, a cell is still beside it."""
+_TRIED = 0.1
+"""So far around a place that was tried nothing else is tried, m."""
 _RUN_LIMIT = 4.0
 """No run is looked at further than this, m."""
 
@@ -59,57 +61,48 @@ class Entrance:
     piercing: bool
 
 
+def outlook(spec: RobotSpec, clearance: float) -> Outlook:
+    """For `find_frontiers` with a ``clearance``, m."""
+    far = max(spec.cover_radius + spec.frontier_depth, spec.lane_spacing + _BESIDE) + CELL
+    return Outlook(clearance, spec.cover_radius, far)
+
+
 def find_frontiers(
-    grid: GridMap, nodes: Floats, tried: Floats, spec: RobotSpec, clearance: float
+    grid: GridMap, nodes: Floats, tried: Floats, spec: RobotSpec, view: Outlook
 ) -> list[Frontier]:
     """Uncovered components worth a part, as seen from the nodes (n, 2), m.
 
-    What is within 0.1 m of a place in ``tried`` (t, 2), m, is left out; the
-    centre needs ``clearance`` m to known obstacles.
+    What is within 0.1 m of a place in ``tried`` (t, 2), m, is left out. ``view`` keeps
+    what it saw for the next time.
     """
-    mask = grid.open_cells(clearance)
-    grid.erase(mask, Covered(np.ascontiguousarray(nodes), spec.cover_radius))
-    grid.erase(mask, Covered(tried, 0.1))
-    found = cv2.findNonZero(mask)
-    if found is None:
-        return []
-    cells = found[:, 0, ::-1].astype(np.int64)
-    column, row, width, height = cv2.boundingRect(found)
-    part = np.ascontiguousarray(mask[row : row + height, column : column + width])
-    count, labels = cv2.connectedComponents(part, connectivity=4)
-    points = grid.centres(cells)
-    label = labels[cells[:, 0] - row, cells[:, 1] - column]
-    far = max(spec.cover_radius + spec.frontier_depth, spec.lane_spacing + _BESIDE) + CELL
-    tree = cKDTree(nodes, balanced_tree=False, compact_nodes=False)
-    deep, node = tree.query(points, distance_upper_bound=far)
-    area = np.bincount(label, minlength=count) * CELL**2
-    depth = np.zeros(count)
-    np.maximum.at(depth, label, deep)
-    worth = (area >= spec.frontier_area) & (depth >= spec.cover_radius + spec.frontier_depth)
-    beside = np.flatnonzero(deep <= spec.lane_spacing + _BESIDE)
-    frontiers = []
-    for k in np.flatnonzero(worth):
-        mine = beside[label[beside] == k]
-        if len(mine):
-            frontiers.append(Frontier(points[mine], node[mine], deep[mine]))
-    return frontiers
+    cells, component, node = view.look(grid, nodes, Covered(tried, _TRIED))
+    near = np.flatnonzero(node >= 0)
+    x, y = (grid.centres(cells[near]) - nodes[node[near]]).T
+    away = np.full(len(cells), np.inf)
+    away[near] = np.sqrt(x * x + y * y)
+    deep = np.bincount(component, away >= spec.cover_radius + spec.frontier_depth) > 0
+    worth = deep & (np.bincount(component) * CELL**2 >= spec.frontier_area)
+    beside = near[(away[near] <= spec.lane_spacing + _BESIDE) & worth[component[near]]]
+    beside = beside[np.argsort(component[beside], kind="stable")]
+    parts = np.split(beside, np.flatnonzero(np.diff(component[beside])) + 1)
+    return [
+        Frontier(grid.centres(cells[mine]), node[mine], away[mine]) for mine in parts if len(mine)
+    ]
 
 
 def free_run(
     grid: GridMap,
-    nodes: Floats,
+    covered: Discs,
     points: Floats,
     heading: float,
-    *,
-    spec: RobotSpec,
     clearance: float,
 ) -> Floats:
     """How far the centre may go from each point along a heading, uncovered and seen.
 
     Parameters
     ----------
-    nodes : array, shape (n, 2)
-        What covers the floor, m; n = 0 leaves all uncovered.
+    covered : Discs
+        Of radius 0: all is uncovered.
     points : array, shape (m, 2)
         m.
     heading : float
@@ -125,13 +118,13 @@ def free_run(
     steps = np.arange(1, round(_RUN_LIMIT / _STEP) + 1)[:, None] * _STEP
     sine, cosine = sine_cosine(heading)
     offsets = steps * np.array([cosine, sine])
-    covered = Covered(np.ascontiguousarray(nodes), spec.overlap_radius)
-    return grid.free_steps(np.ascontiguousarray(points), offsets, clearance, covered) * _STEP
+    points = np.ascontiguousarray(points)
+    return grid.free_steps(points, offsets, clearance, covered) * _STEP
 
 
 def propose_entrance(
     grid: GridMap,
-    nodes: Floats,
+    graph: MapGraph,
     frontier: Frontier,
     axis: float,
     *,
@@ -145,6 +138,7 @@ def propose_entrance(
     axis : float
         Lane heading of the neighbouring part, rad.
     """
+    nodes, covered = graph.position, Discs(graph.table(), spec.overlap_radius)
     order = np.argsort(np.abs(frontier.distance - spec.lane_spacing), kind="stable")
     order = order[:: max(1, len(order) // 60)][:60]
     points, node = frontier.points[order], frontier.node[order]
@@ -153,9 +147,7 @@ def propose_entrance(
     if len(points) == 0:
         return None
     headings = axis + 0.5 * np.pi * np.arange(4)
-    runs = np.stack(
-        [free_run(grid, nodes, points, h, spec=spec, clearance=clearance) for h in headings], axis=1
-    )
+    runs = np.stack([free_run(grid, covered, points, h, clearance) for h in headings], axis=1)
     units = np.array([sine_cosine(heading) for heading in headings.tolist()])[:, ::-1]
     outward = ((points - nodes[node])[:, None] * units).sum(axis=2).argmax(axis=1)
     rows = np.arange(len(points))

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import bisect
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from simulator.compiled import compiled
+from simulator.routes import Ways, shortest
 
-__all__ = ["MapGraph", "Table", "distance_at", "nearest_first", "sort_by"]
+__all__ = ["MapGraph", "Table", "distance_at", "is_near", "nearest_first", "sort_by"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Nodes = NDArray[np.int64]
+Array = TypeVar("Array", bound=NDArray[Any])
 
 _TOLL = 5.0
 """A way through a place that barred the robot counts as so much longer, m."""
@@ -31,10 +31,14 @@ class MapGraph:
         self._true_pose = np.zeros((256, 3))
         self.part: list[int] = []
         self.lane: list[int] = []
-        self._buckets = _Buckets(np.full(_BUCKETS, -1), np.zeros(256, np.int64))
-        self._edges = np.zeros((256, 2), np.int32)
+        self._buckets = _bucketed(self._estimate, 0)
+        self._ways = Ways(
+            np.zeros((256, 2), np.int32),
+            np.zeros(256),
+            np.zeros(256, np.int64),
+            np.zeros(512, np.int64),
+        )
         self._edge_count = 0
-        self._barred: list[int] = []
         self.visits: list[tuple[float, int]] = []
         self._near: Nodes = np.zeros(0, np.int64)
 
@@ -44,7 +48,7 @@ class MapGraph:
     @property
     def edges(self) -> Ints:
         """Node pairs (e, 2), the smaller first, in order of creation."""
-        return self._edges[: self._edge_count]
+        return self._ways.edges[: self._edge_count]
 
     @property
     def estimate(self) -> Floats:
@@ -70,12 +74,11 @@ class MapGraph:
         """
         node = len(self)
         if node == len(self._estimate):
-            self._estimate = np.concatenate([self._estimate, np.zeros_like(self._estimate)])
-            self._true_pose = np.concatenate([self._true_pose, np.zeros_like(self._true_pose)])
-            first, following = self._buckets
-            following = np.concatenate([following, np.zeros_like(following)])
-            self._buckets = _Buckets(first, following)
+            self._estimate, self._true_pose = _twice(self._estimate), _twice(self._true_pose)
+            self._buckets = _bucketed(self._estimate, node)
+            self._ways = self._ways._replace(newest=_twice(self._ways.newest))
         self._estimate[node] = estimate
+        self._ways.newest[node] = -1
         _insert(self._estimate, self._buckets, node)
         self._true_pose[node] = true_pose
         self.part.append(part)
@@ -86,14 +89,21 @@ class MapGraph:
 
     def add_edge(self, a: int, b: int) -> None:
         """Join two nodes."""
-        if self._edge_count == len(self._edges):
-            self._edges = np.concatenate([self._edges, np.zeros_like(self._edges)])
-        self._edges[self._edge_count] = min(a, b), max(a, b)
+        edge = self._edge_count
+        if edge == len(self._ways.edges):
+            edges, length, newest, older = self._ways
+            self._ways = Ways(_twice(edges), _twice(length), newest, _twice(older))
+        edges, length, newest, older = self._ways
+        edges[edge] = min(a, b), max(a, b)
+        x, y = self._estimate[a, :2] - self._estimate[b, :2]
+        length[edge] = math.sqrt(x * x + y * y) + 1e-6
+        for entry, node in enumerate(edges[edge].tolist(), start=2 * edge):
+            older[entry], newest[node] = newest[node], entry
         self._edge_count += 1
 
     def joins(self, first: int) -> bool:
         """Whether an edge joins the nodes from ``first`` on to older ones."""
-        return bool(((self.edges[:, 0] < first) & (self.edges[:, 1] >= first)).any())
+        return bool((self.edges[self._edges_before(first) :, 0] < first).any())
 
     def bar(self, point: Floats, radius: float) -> None:
         """Make ways along the edges within ``radius`` m of a point (2,), m, longer.
@@ -104,7 +114,7 @@ class MapGraph:
         along, offset = self.position[self.edges[:, 1]] - start, point - start
         share = (offset * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-12)
         gap = offset - np.clip(share, 0.0, 1.0)[:, None] * along
-        self._barred.extend(np.flatnonzero(np.hypot(*gap.T) < radius).tolist())
+        self._ways.length[: self._edge_count][np.hypot(*gap.T) < radius] += _TOLL
 
     def remove_from(self, first: int) -> None:
         """Forget the nodes from ``first`` on, and their edges: the last ones made."""
@@ -112,12 +122,20 @@ class MapGraph:
             _remove(self._estimate, self._buckets, node)
         del self.part[first:]
         del self.lane[first:]
-        kept = self.edges[self.edges[:, 1] < first]
-        self._edge_count = len(kept)
-        self._edges[: len(kept)] = kept
-        self._barred = [edge for edge in self._barred if edge < len(kept)]
+        self._remove_edges(self._edges_before(first))
         self.visits = [visit for visit in self.visits if visit[1] < first]
         self._near = self._near[self._near < first]
+
+    def _edges_before(self, first: int) -> int:
+        """How many edges join nodes before ``first``: they are older than all others."""
+        return bisect.bisect_left(self.edges[:, 1], first)
+
+    def _remove_edges(self, first: int) -> None:
+        """Forget the edges from ``first`` on."""
+        for entry in range(2 * self._edge_count - 1, 2 * first - 1, -1):
+            node = self._ways.edges[entry // 2, entry % 2]
+            self._ways.newest[node] = self._ways.older[entry]
+        self._edge_count = first
 
     def visit(self, places: Floats, times: Floats, radius: float) -> None:
         """Record a visit of every node whose neighbourhood the robot enters.
@@ -129,7 +147,9 @@ class MapGraph:
         times : array, shape (t,)
             s.
         """
-        steps, nodes, self._near = _entered(self.table(), places, radius, self._near)
+        steps, nodes, self._near = _entered(
+            self.table(), np.ascontiguousarray(places), radius, self._near
+        )
         self.visits.extend(zip(times[steps].tolist(), nodes.tolist(), strict=True))
 
     def distances(self, points: Floats, running_lane: int = -1) -> Floats:
@@ -154,32 +174,22 @@ class MapGraph:
         gap = self.position - point[:2]
         return np.argsort((gap * gap).sum(axis=1), kind="stable")
 
-    def weights(self) -> csr_array:
-        """Sparse matrix of edge lengths with tolls (`bar`), m, shape (n, n)."""
-        n = len(self)
-        if not self._edge_count:
-            return csr_array((n, n))
-        a, b = self.edges.T
-        length = np.linalg.norm(self.position[a] - self.position[b], axis=1) + 1e-6
-        np.add.at(length, self._barred, _TOLL)
-        return csr_array((length, (a, b)), shape=(n, n))
-
-    def routes(self, start: int) -> tuple[Floats, Ints]:
+    def routes(self, start: int, goal: int = -1) -> tuple[Floats, Nodes]:
         """Dijkstra from ``start``: path length, m, to every node, and predecessors, (n,) each.
 
         A node without a path has the length ``inf``; it and ``start`` have a
-        negative predecessor.
+        negative predecessor. With a ``goal`` only the path to it is sought.
         """
-        length, previous = dijkstra(
-            self.weights(), directed=False, indices=start, return_predecessors=True
-        )
-        return np.asarray(length), np.asarray(previous)
+        return shortest(self._ways, len(self), start, goal)
 
 
-_BUCKETS = 4096
-"""Of a hash table of square cells."""
+def _twice(rows: Array) -> Array:
+    """The same rows, and as many of zeros."""
+    return cast(Array, np.concatenate([rows, np.zeros_like(rows)]))
+
+
 _SIDE = 0.4
-"""Of the cells, m."""
+"""Of the square cells that nodes are looked up by, m."""
 _FAR = 1.0
 """The nearest node is not looked for beyond, m."""
 
@@ -187,8 +197,8 @@ _FAR = 1.0
 class _Buckets(NamedTuple):
     """Nodes by the cell that they lie in, as linked lists of the newest first.
 
-    ``first`` (_BUCKETS,): the newest node of a bucket, -1 for none; ``following`` (n,):
-    the next older one. Cells far apart may share a bucket: distances are always checked.
+    ``first`` (n,): the newest node of a bucket, -1 for none; ``following`` (n,): the next
+    older one. Cells far apart may share a bucket: distances are always checked.
     """
 
     first: NDArray[np.int64]
@@ -210,14 +220,29 @@ class Table(NamedTuple):
 
 
 @compiled
-def _bucket(i: int, j: int) -> int:
-    return (i * 73856093 ^ j * 19349663) % _BUCKETS
+def _bucketed(nodes: Floats, count: int) -> _Buckets:
+    """The first ``count`` nodes, and room for the others."""
+    buckets = _Buckets(np.full(len(nodes), -1), np.zeros(len(nodes), np.int64))
+    for node in range(count):
+        _insert(nodes, buckets, node)
+    return buckets
+
+
+@compiled
+def _bucket(buckets: _Buckets, i: int, j: int) -> int:
+    return (i * 73856093 ^ j * 19349663) % len(buckets.first)
+
+
+@compiled
+def _bucket_of(nodes: Floats, buckets: _Buckets, node: int) -> int:
+    x, y = nodes[node, 0], nodes[node, 1]
+    return _bucket(buckets, math.floor(x / _SIDE), math.floor(y / _SIDE))
 
 
 @compiled
 def _insert(nodes: Floats, buckets: _Buckets, node: int) -> None:
     """Put a new node in front of its bucket's list."""
-    bucket = _bucket(math.floor(nodes[node, 0] / _SIDE), math.floor(nodes[node, 1] / _SIDE))
+    bucket = _bucket_of(nodes, buckets, node)
     buckets.following[node] = buckets.first[bucket]
     buckets.first[bucket] = node
 
@@ -225,8 +250,7 @@ def _insert(nodes: Floats, buckets: _Buckets, node: int) -> None:
 @compiled
 def _remove(nodes: Floats, buckets: _Buckets, node: int) -> None:
     """Take the newest node out again."""
-    bucket = _bucket(math.floor(nodes[node, 0] / _SIDE), math.floor(nodes[node, 1] / _SIDE))
-    buckets.first[bucket] = buckets.following[node]
+    buckets.first[_bucket_of(nodes, buckets, node)] = buckets.following[node]
 
 
 @compiled
@@ -237,7 +261,7 @@ def _within(table: Table, x: float, y: float, radius: float) -> Nodes:
     found = 0
     for i in range(math.floor((x - radius) / _SIDE), math.floor((x + radius) / _SIDE) + 1):
         for j in range(math.floor((y - radius) / _SIDE), math.floor((y + radius) / _SIDE) + 1):
-            node = buckets.first[_bucket(i, j)]
+            node = buckets.first[_bucket(buckets, i, j)]
             while node >= 0:
                 u, v = nodes[node, 0], nodes[node, 1]
                 here = math.floor(u / _SIDE) == i and math.floor(v / _SIDE) == j
@@ -246,6 +270,21 @@ def _within(table: Table, x: float, y: float, radius: float) -> Nodes:
                     found += 1
                 node = buckets.following[node]
     return near[:found]
+
+
+@compiled
+def is_near(table: Table, x: float, y: float, radius: float) -> bool:
+    """Whether a node is at most ``radius`` m from a point."""
+    nodes, buckets = table.estimate, table.buckets
+    for i in range(math.floor((x - radius) / _SIDE), math.floor((x + radius) / _SIDE) + 1):
+        for j in range(math.floor((y - radius) / _SIDE), math.floor((y + radius) / _SIDE) + 1):
+            node = buckets.first[_bucket(buckets, i, j)]
+            while node >= 0:
+                u, v = nodes[node, 0] - x, nodes[node, 1] - y
+                if u * u + v * v <= radius * radius:
+                    return True
+                node = buckets.following[node]
+    return False
 
 
 @compiled
@@ -296,21 +335,21 @@ def _distances(table: Table, points: Floats) -> Floats:
     """Distance from points (m, 2) to the nearest node that is not new, m."""
     distance = np.full(len(points), np.inf)
     for k in range(len(points)):
-        distance[k] = distance_at(table, points[k, 0], points[k, 1])
+        distance[k] = distance_at(table, points[k, 0], points[k, 1], _FAR)
     return distance
 
 
 @compiled
-def distance_at(table: Table, x: float, y: float) -> float:
-    """Distance from a point to the nearest node that is not new, m; ``inf`` beyond 1 m."""
+def distance_at(table: Table, x: float, y: float, limit: float) -> float:
+    """Distance from a point to the nearest node that is not new, m; ``inf`` beyond a limit."""
     nodes, buckets = table.estimate, table.buckets
     best = np.inf
-    for i in range(math.floor((x - _FAR) / _SIDE), math.floor((x + _FAR) / _SIDE) + 1):
-        for j in range(math.floor((y - _FAR) / _SIDE), math.floor((y + _FAR) / _SIDE) + 1):
-            node = buckets.first[_bucket(i, j)]
+    for i in range(math.floor((x - limit) / _SIDE), math.floor((x + limit) / _SIDE) + 1):
+        for j in range(math.floor((y - limit) / _SIDE), math.floor((y + limit) / _SIDE) + 1):
+            node = buckets.first[_bucket(buckets, i, j)]
             while node >= 0:
                 u, v = nodes[node, 0] - x, nodes[node, 1] - y
-                if node < table.older and u * u + v * v <= _FAR * _FAR:
+                if node < table.older and u * u + v * v <= limit * limit:
                     best = min(best, math.sqrt(u * u + v * v))
                 node = buckets.following[node]
     return best

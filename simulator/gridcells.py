@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.compiled import compiled
+from simulator.graph import Table, is_near
 from simulator.trigonometry import sine_cosine
 
 __all__ = [
@@ -22,10 +23,13 @@ __all__ = [
     "HIT",
     "LOW",
     "SUPPORT",
+    "TILE",
     "Cells",
     "Covered",
+    "Discs",
     "are_clear",
-    "blocked_points",
+    "clearances",
+    "components",
     "erase",
     "feel",
     "free_steps",
@@ -33,7 +37,8 @@ __all__ = [
     "holds",
     "is_blocked_ahead",
     "is_clear",
-    "open_cells",
+    "keep_nearest",
+    "open_again",
     "pass_beams",
     "stand",
 ]
@@ -55,6 +60,8 @@ SHY = 0.06
 """A beam says nothing about the last 6 cm before its end: noise, slanted walls."""
 RIM = 0.03
 """The rim of the body's disc says nothing: what it touches is an obstacle, m."""
+TILE = 32
+"""Cells of a side of a tile; the grid is made of whole ones."""
 SUPPORT = 3
 """A second point must support the first, at most so many cells away either way."""
 
@@ -75,6 +82,13 @@ class Covered(NamedTuple):
     """Discs of ``radius`` m around points (n, 2) m."""
 
     points: Floats
+    radius: float
+
+
+class Discs(NamedTuple):
+    """Discs of ``radius`` m around the map's nodes."""
+
+    nodes: Table
     radius: float
 
 
@@ -177,18 +191,19 @@ def is_blocked(evidence: NDArray[np.int8], i: int, j: int) -> bool:
 
 
 @compiled
-def blocked_points(cells: Cells, low: Floats, high: Floats, margin: float) -> Floats:
-    """Centres of the blocked cells in a widened box, (k, 2) m."""
-    i0, i1, j0, j1 = window(cells, low, high, margin)
-    points = np.empty((max(i1 - i0, 0) * max(j1 - j0, 0), 2))
-    count = 0
-    for i in range(i0, i1):
-        for j in range(j0, j1):
-            if is_blocked(cells.evidence, i, j):
-                points[count, 0] = cells.corner[0] + (i + 0.5) * CELL
-                points[count, 1] = cells.corner[1] + (j + 0.5) * CELL
-                count += 1
-    return points[:count].copy()
+def clearances(cells: Cells, points: Floats, limit: float) -> Floats:
+    """See `simulator.gridmap.GridMap.clearance`."""
+    found = np.full(len(points), limit)
+    for k in range(len(points)):
+        i0, i1, j0, j1 = window(cells, points[k], points[k], limit)
+        for i in range(i0, i1):
+            for j in range(j0, j1):
+                if cells.evidence[i, j] >= BLOCKED:
+                    x, y = offset(cells, i, j, points[k])
+                    gap = math.sqrt(x * x + y * y)
+                    if gap < found[k] and is_blocked(cells.evidence, i, j):
+                        found[k] = gap
+    return found
 
 
 @compiled
@@ -250,21 +265,15 @@ def is_open(cells: Cells, place: Floats, clearance: float) -> bool:
 
 @compiled
 def free_steps(
-    cells: Cells, points: Floats, offsets: Floats, clearance: float, covered: Covered
+    cells: Cells, points: Floats, offsets: Floats, clearance: float, discs: Discs
 ) -> Ints:
     """See `simulator.gridmap.GridMap.free_steps`."""
     steps = np.zeros(len(points), np.int64)
-    limit = covered.radius * covered.radius
     for k in range(len(points)):
         for n in range(len(offsets)):
             place = points[k] + offsets[n]
-            free = is_open(cells, place, clearance)
-            for m in range(len(covered.points)):
-                x, y = covered.points[m, 0] - place[0], covered.points[m, 1] - place[1]
-                free = free and x * x + y * y > limit
-                if not free:
-                    break
-            if not free:
+            covered = is_near(discs.nodes, place[0], place[1], discs.radius)
+            if covered or not is_open(cells, place, clearance):
                 break
             steps[k] = n + 1
     return steps
@@ -285,16 +294,81 @@ def erase(mask: NDArray[np.uint8], cells: Cells, covered: Covered) -> None:
 
 
 @compiled
-def open_cells(cells: Cells, clearance: float) -> NDArray[np.uint8]:
-    """See `simulator.gridmap.GridMap.open_cells`."""
-    mask = cells.seen.astype(np.uint8)
+def open_again(mask: NDArray[np.uint8], cells: Cells, tiles: Ints, clearance: float) -> None:
+    """Find anew in some tiles of a mask where the centre may stand: 1, else 0.
+
+    ``tiles`` (k, 2): which; tile (a, b) begins with cell (a, b) · `TILE`.
+    """
     rows, columns = mask.shape
     reach, limit = math.ceil(clearance / CELL), (clearance / CELL) ** 2
-    for i in range(rows):
-        for j in range(columns):
-            if cells.evidence[i, j] >= BLOCKED and is_blocked(cells.evidence, i, j):
-                for x in range(max(i - reach, 0), min(i + reach + 1, rows)):
-                    for y in range(max(j - reach, 0), min(j + reach + 1, columns)):
-                        if (x - i) * (x - i) + (y - j) * (y - j) < limit:
-                            mask[x, y] = 0
-    return mask
+    for tile in range(len(tiles)):
+        i0, j0 = TILE * tiles[tile, 0], TILE * tiles[tile, 1]
+        i1, j1 = i0 + TILE, j0 + TILE
+        for i in range(i0, i1):
+            for j in range(j0, j1):
+                mask[i, j] = cells.seen[i, j]
+        for i in range(max(i0 - reach, 0), min(i1 + reach, rows)):
+            for j in range(max(j0 - reach, 0), min(j1 + reach, columns)):
+                if cells.evidence[i, j] >= BLOCKED and is_blocked(cells.evidence, i, j):
+                    for x in range(max(i - reach, i0), min(i + reach + 1, i1)):
+                        for y in range(max(j - reach, j0), min(j + reach + 1, j1)):
+                            if (x - i) * (x - i) + (y - j) * (y - j) < limit:
+                                mask[x, y] = 0
+
+
+@compiled
+def keep_nearest(
+    nearest: NDArray[np.int32], cells: Cells, nodes: Floats, first: int, radius: float
+) -> None:
+    """Take in the nodes (n, 2) m from ``first`` on into every cell's nearest node.
+
+    -1 where none is nearer than ``radius`` m.
+    """
+    for node in range(first, len(nodes)):
+        i0, i1, j0, j1 = window(cells, nodes[node], nodes[node], radius)
+        for i in range(i0, i1):
+            for j in range(j0, j1):
+                x, y = offset(cells, i, j, nodes[node])
+                squared, limit = x * x + y * y, radius * radius
+                if nearest[i, j] >= 0:
+                    x, y = offset(cells, i, j, nodes[nearest[i, j]])
+                    limit = x * x + y * y
+                if squared < limit:
+                    nearest[i, j] = node
+
+
+@compiled
+def components(cells: Ints, columns: int) -> Ints:
+    """Which of some cells hang together side by side: the component of each, (n,).
+
+    ``cells`` (n,): ascending flat indices into a grid of so many columns. Components are
+    numbered from 0 by their first cell.
+    """
+    root = np.arange(len(cells))
+    above = 0
+    for k in range(len(cells)):
+        if k > 0 and cells[k - 1] == cells[k] - 1 and cells[k] % columns > 0:
+            root[k] = root[k - 1]
+        while cells[above] < cells[k] - columns:
+            above += 1
+        if cells[above] == cells[k] - columns:
+            a, b = _root(root, k), _root(root, above)
+            root[max(a, b)] = min(a, b)
+    count = 0
+    for k in range(len(cells)):
+        if root[k] == k:
+            root[k] = count
+            count += 1
+        else:
+            # What comes before has its number already.
+            root[k] = root[root[k]]
+    return root
+
+
+@compiled
+def _root(root: Ints, k: int) -> int:
+    """The first cell that is known to hang together with cell ``k``."""
+    while root[k] != k:
+        root[k] = root[root[k]]
+        k = root[k]
+    return k

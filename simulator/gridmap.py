@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator import gridcells
-from simulator.gridcells import CELL, Cells, Covered
+from simulator.gridcells import CELL, Cells, Covered, Discs
 
 __all__ = ["CELL", "GridMap"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-_BLOCK = 128
+_BLOCK = 4 * gridcells.TILE
 """The grid grows by this many cells."""
 
 
@@ -75,10 +75,6 @@ class GridMap:
         felt = self.evidence[window] > gridcells.HIGH
         self.evidence[window][felt] = 0
 
-    def blocked_points(self, low: Floats, high: Floats, margin: float) -> Floats:
-        """Centres of blocked cells in a box widened by ``margin``, m, shape (k, 2)."""
-        return gridcells.blocked_points(self.table, low, high, margin)
-
     def blocked(self, window: tuple[slice, slice] = np.s_[:, :]) -> Bools:
         """Which cells in a part of the grid count as obstacles.
 
@@ -92,13 +88,7 @@ class GridMap:
 
     def clearance(self, points: Floats, limit: float = 0.3) -> Floats:
         """Distance from points (n, 2) to the nearest known obstacle, m, at most ``limit``."""
-        if len(points) == 0:
-            return np.zeros(0)
-        blocked = self.blocked_points(points.min(axis=0), points.max(axis=0), limit)
-        if len(blocked) == 0:
-            return np.full(len(points), limit)
-        gap = points[:, None] - blocked[None]
-        return np.asarray(np.minimum(np.sqrt((gap * gap).sum(axis=2).min(axis=1)), limit))
+        return gridcells.clearances(self.table, np.ascontiguousarray(points), limit)
 
     def is_seen(self, points: Floats) -> Bools:
         """Whether each point (n, 2) lies in a seen cell."""
@@ -120,7 +110,7 @@ class GridMap:
         return gridcells.are_clear(self.table, start, ends, clearance)
 
     def free_steps(
-        self, points: Floats, offsets: Floats, clearance: float, covered: Covered
+        self, points: Floats, offsets: Floats, clearance: float, covered: Discs
     ) -> NDArray[np.int64]:
         """How many of the successive ``offsets`` (s, 2), m, the centre may go from each point.
 
@@ -141,10 +131,6 @@ class GridMap:
         free = np.ascontiguousarray(~self.blocked(window), dtype=np.uint8)
         distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         return np.asarray(distance, dtype=np.float64) * CELL
-
-    def open_cells(self, clearance: float) -> NDArray[np.uint8]:
-        """All cells that the centre may stand in: 1, else 0; shape of the grid."""
-        return gridcells.open_cells(self.table, clearance)
 
     def erase(self, mask: NDArray[np.uint8], covered: Covered) -> None:
         """Set a mask of the grid's shape to 0 where it is covered."""

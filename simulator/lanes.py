@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.frontier import free_run
+from simulator.gridcells import Discs
 from simulator.pilot import End, Pilot, direction
 from simulator.robot import wrap
 
@@ -45,15 +46,15 @@ class LaneDriver:
     ----------
     headings : list of float
         Heading of every finished lane, by its running number, rad.
-    forgotten : list of array
-        Where the nodes of forgotten lanes were, (2,) m each: there is no use in trying again.
+    forgotten : array, shape (f, 2)
+        Where the nodes of forgotten lanes were, m: there is no use in trying again.
     """
 
     def __init__(self, pilot: Pilot, progress: Callable[[int, float], None] | None) -> None:
         self.pilot = pilot
         self.robot = pilot.robot
         self.headings: list[float] = []
-        self.forgotten: list[Floats] = []
+        self.forgotten: Floats = np.zeros((0, 2))
         self._vehicle = pilot.vehicle
         self._progress = progress
 
@@ -119,7 +120,7 @@ class LaneDriver:
         graph = self._vehicle.graph
         joined = first == 0 or graph.joins(first)
         if not joined and not self._join(first):
-            self.forgotten.extend(graph.position[first:].copy())
+            self.forgotten = np.vstack([self.forgotten, graph.position[first:]])
             graph.remove_from(first)
             return None
         self.headings.append(heading)
@@ -162,16 +163,10 @@ class LaneDriver:
 
     def _has_opened(self, heading: float, clearance: float) -> bool:
         """Whether a piercing lane has come out of the narrow passage."""
-        nodes = np.zeros((0, 2))
+        nothing = Discs(self._vehicle.graph.table(), 0.0)
+        here = self.pilot.position[None]
         room = [
-            free_run(
-                self._vehicle.grid,
-                nodes,
-                self.pilot.position[None],
-                heading + turn,
-                spec=self.robot,
-                clearance=clearance,
-            )[0]
+            free_run(self._vehicle.grid, nothing, here, heading + turn, clearance)[0]
             for turn in (0.5 * np.pi, -0.5 * np.pi)
         ]
         return bool(min(room) >= self.robot.piercing_opening)

@@ -180,9 +180,9 @@ class Pilot:
 
     def back_off(self, distance: float = 0.03) -> None:
         """Reverse a little, so that the next turn is free."""
-        for _ in range(int(np.ceil(distance / (0.5 * self.robot.speed * self.robot.time_step)))):
-            if self.vehicle.step(-0.5 * self.robot.speed, 0.0):
-                return
+        speed = 0.5 * self.robot.speed
+        steps = int(np.ceil(distance / (speed * self.robot.time_step)))
+        self.vehicle.step(-speed, 0.0, steps)
 
     def drive_to(self, point: Floats, tries: int = 1) -> bool:
         """Turn towards a point (2,), m, and drive there; False if something is in the way.
@@ -310,8 +310,9 @@ class Pilot:
 
     def _route(self, goal: int) -> list[int]:
         """Nodes from the current one to ``goal``; empty if there is no path."""
-        _, previous = self.vehicle.graph.routes(goal)
-        node, route = self.current_node(), []
+        node = self.current_node()
+        route: list[int] = []
+        _, previous = self.vehicle.graph.routes(goal, node)
         while node != goal:
             route.append(node)
             node = int(previous[node])

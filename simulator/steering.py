@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from simulator.compiled import compiled
 from simulator.graph import Table, distance_at
 from simulator.gridcells import is_blocked_ahead
-from simulator.motion import Machine, Settings, has_room, step
+from simulator.motion import NOW, Machine, Settings, has_room, step
 from simulator.robot import wrap
 from simulator.trigonometry import arctangent, sine_cosine
 
@@ -54,11 +54,16 @@ class Ended(NamedTuple):
 
 
 @compiled
-def drive(machine: Machine, speed: float, turn_rate: float, rng: np.random.Generator) -> Ended:
-    """One time step at a speed, m/s, and a turn rate, rad/s."""
-    if not has_room(machine):
-        return Ended(NO_ROOM)
-    return Ended(CONTACT if step(machine, speed, turn_rate, rng) else ARRIVED)
+def drive(
+    machine: Machine, speed: float, turn_rate: float, end: float, rng: np.random.Generator
+) -> Ended:
+    """Drive at a speed, m/s, and a turn rate, rad/s, until the time ``end``, s."""
+    while machine.body.clock[NOW] < end - 0.5 * machine.settings.time_step:
+        if not has_room(machine):
+            return Ended(NO_ROOM)
+        if step(machine, speed, turn_rate, rng):
+            return Ended(CONTACT)
+    return Ended(ARRIVED)
 
 
 @compiled
@@ -117,8 +122,9 @@ def is_covered_ahead(nodes: Table, pose: Floats, settings: Settings) -> bool:
     """Whether nodes of other lanes already cover what lies one node spacing ahead."""
     ahead_y, ahead_x = sine_cosine(pose[2])
     x, y = pose[0] + settings.node_spacing * ahead_x, pose[1] + settings.node_spacing * ahead_y
-    then = distance_at(nodes, x, y)
-    return then < settings.overlap_radius and then < distance_at(nodes, pose[0], pose[1])
+    limit = settings.overlap_radius
+    then = distance_at(nodes, x, y, limit)
+    return then < limit and then < distance_at(nodes, pose[0], pose[1], limit)
 
 
 @compiled

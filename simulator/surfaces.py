@@ -22,7 +22,7 @@ from shapely import Polygon
 from scenes.apartment import DRIVEN_OVER, Apartment
 from scenes.materials import LAMP_PREFIX, resolve
 from scenes.mesh import wall_materials
-from scenes.solids import WALL, Prism, apartment_solids
+from scenes.solids import WALL, Prism
 from simulator.compiled import compiled
 from simulator.trigonometry import arctangent, sine_cosine
 
@@ -112,16 +112,16 @@ def boundary(region: shapely.Geometry) -> Floats:
     return np.concatenate(sides) if sides else np.zeros((0, 2, 2))
 
 
-def floor_covers(apartment: Apartment) -> FloorCovers:
-    """Thresholds, rugs, mats and cables that the robot drives over."""
-    low = [p for p in apartment_solids(apartment) if p.bottom < DRIVEN_OVER / 2 and p.top > 0.0]
+def floor_covers(solids: list[Prism]) -> FloorCovers:
+    """Thresholds, rugs, mats and cables, among all solids, that the robot drives over."""
+    low = [p for p in solids if p.bottom < DRIVEN_OVER / 2 and p.top > 0.0]
     low = [prism for prism in low if prism.top <= DRIVEN_OVER]
     return FloorCovers([p.footprint for p in low], [p.top for p in low])
 
 
-def seen_surfaces(apartment: Apartment, height: float) -> Surfaces:
-    """What beams at ``height`` m above the floor can hit."""
-    prisms = [p for p in apartment_solids(apartment) if p.bottom <= height < p.top]
+def seen_surfaces(apartment: Apartment, solids: list[Prism], height: float) -> Surfaces:
+    """What beams at ``height`` m above the floor can hit of the apartment's solids."""
+    prisms = [p for p in solids if p.bottom <= height < p.top]
     walls = boundary(shapely.union_all([prism.footprint for prism in prisms]))
     if len(walls) == 0:
         return Surfaces(walls, np.zeros(0))

@@ -78,9 +78,10 @@ class Vehicle:
         """Since the start, s."""
         return float(self._body.clock[motion.NOW])
 
-    def step(self, speed: float, turn_rate: float) -> bool:
-        """Drive for one time step; returns whether the bumper was pressed."""
-        return self._run(steering.drive, speed, turn_rate).why == steering.CONTACT
+    def step(self, speed: float, turn_rate: float, steps: int = 1) -> bool:
+        """Drive for some time steps, or until the bumper is pressed; returns whether it was."""
+        end = self.time + steps * self.robot.time_step
+        return self._run(steering.drive, speed, turn_rate, end).why == steering.CONTACT
 
     def turn_to(self, heading: float) -> None:
         """Turn on the spot, the shorter way."""

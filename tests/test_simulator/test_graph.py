@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
-from simulator.graph import MapGraph
+from simulator.graph import MapGraph, distance_at, is_near
 
 
 def chain(n=5, spacing=0.1):
@@ -78,6 +79,46 @@ def test_forgetting_the_last_nodes():
 def test_many_nodes_grow_the_arrays():
     graph = chain(700)
     np.testing.assert_allclose(graph.position[:, 0], 0.1 * np.arange(700))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_nodes_are_found_as_by_a_tree(seed):
+    """While the table grows, and nodes far apart share its buckets."""
+    rng = np.random.default_rng(seed)
+    graph = MapGraph()
+    for count in (100, 300, 1100):
+        while len(graph) < count:
+            graph.add_node(rng.uniform(-5.0, 5.0, 3), np.zeros(3), 0, 0, 0.0)
+        graph.remove_from(count - 40)
+        tree = cKDTree(graph.position)
+        points = rng.uniform(-6.0, 6.0, (50, 2))
+        np.testing.assert_allclose(
+            graph.distances(points), tree.query(points, distance_upper_bound=1.0)[0], atol=1e-12
+        )
+        for point in points:
+            away = np.hypot(*(graph.position - point).T)
+            near = graph.within(point, 0.7)
+            assert sorted(near) == sorted(tree.query_ball_point(point, 0.7))
+            assert (np.diff(away[near]) >= 0.0).all()
+            for limit in (0.15, 0.5):
+                right = away.min() if away.min() <= limit else np.inf
+                found = distance_at(graph.table(), point[0], point[1], limit)
+                assert found == pytest.approx(right)
+                assert is_near(graph.table(), point[0], point[1], limit) == np.isfinite(right)
+
+
+def test_whether_an_edge_joins_a_lane_to_older_nodes():
+    graph = chain(6)
+    assert graph.joins(4)
+    for node in (6, 7, 8):
+        graph.add_node(np.array([0.1 * node, 0.5, 0.0]), np.zeros(3), 0, 1, 9.0)
+    graph.add_edge(6, 7)
+    graph.add_edge(7, 8)
+    assert not graph.joins(6)
+    graph.add_edge(2, 7)
+    assert graph.joins(6)
+    graph.remove_from(6)
+    assert len(graph.edges) == 5
 
 
 def test_distances_leave_out_a_lane():

@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from scenes.apartment import Apartment, Block, Piece, Room, Start, Threshold
+from scenes.solids import apartment_solids
 from simulator.surfaces import FloorCovers, floor_covers, seen_surfaces
 from simulator.world import World, spots
 
@@ -43,7 +44,8 @@ def test_beams_see_what_is_at_their_height_only():
     low = square(1.0, 1.0, 0.1, top=0.03, material="wood")
     hanging = square(2.0, 1.0, 0.1, bottom=0.07, top=0.5, material="wood")
     tall = square(3.0, 1.0, 0.1, top=0.5, material="plastic_black")
-    surfaces = seen_surfaces(room(low, hanging, tall), 0.05)
+    apartment = room(low, hanging, tall)
+    surfaces = seen_surfaces(apartment, apartment_solids(apartment), 0.05)
     lines = shapely.multilinestrings(list(surfaces.walls))
     for x, seen in ((1.0, False), (2.0, False), (3.0, True)):
         assert lines.intersects(shapely.Point(x, 1.0).buffer(0.2)) == seen
@@ -51,7 +53,7 @@ def test_beams_see_what_is_at_their_height_only():
 
 def test_reflectance_is_that_of_the_surface():
     apartment = room(square(3.0, 1.0, 0.1, top=0.5, material="plastic_black"))
-    surfaces = seen_surfaces(apartment, 0.05)
+    surfaces = seen_surfaces(apartment, apartment_solids(apartment), 0.05)
     world = World(shapely.box(9, 9, 10, 10), surfaces)
     hit = spots(world.seen, np.array([2.5, 1.0, 0.0]), np.radians([0.0, 90.0, 180.0]))
     assert hit.range[0] == pytest.approx(0.4)
@@ -63,7 +65,7 @@ def test_reflectance_is_that_of_the_surface():
 
 def test_rugs_are_driven_over_and_tilt():
     rug = Piece(kind="rug", position=(2.0, 1.5), size=(1.0, 1.0, 0.008))
-    covers = floor_covers(room(furniture=(rug,)))
+    covers = floor_covers(apartment_solids(room(furniture=(rug,))))
     assert covers.heights == [0.008]
     # The left wheel on the rug's lower edge, driving along it.
     roll, pitch = covers.tilt(np.array([[2.0, 1.0, 0.0]]), 0.22, 0.10)[0]
@@ -78,7 +80,7 @@ def test_rugs_are_driven_over_and_tilt():
 
 def test_a_threshold_tilts_as_one_drives_over_it():
     place = two_rooms(threshold=Threshold(height=0.008, depth=0.04))
-    covers = floor_covers(place)
+    covers = floor_covers(apartment_solids(place))
     assert covers.heights == [0.008]
     # Across the wall's middle at x = 2.06: the castor 0.10 m ahead first, then both wheels.
     step = np.arctan(0.008 / 0.10)
