@@ -25,6 +25,7 @@ COMMANDS = {
     "simulate": "Clean apartments and record maps.",
     "render": "Add camera images to maps.",
     "expose": "Expose the images of maps again, without rendering.",
+    "build": "Make a whole dataset from a recipe.",
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",
     "evaluate": "Judge the method, leaving each environment out once.",
