@@ -149,12 +149,18 @@ class Work:
         reports = {o.output: o.report for o in outcomes if o.report is not None}
         if self.device is not None:
             problems += self._render([path for path in runs if path in reports], self.device)
-        problems = [*dict.fromkeys(problem.replace(f"{self.output}/", "") for problem in problems)]
         made = [
             (place, reports[path], path) for path, (place, _) in runs.items() if path in reports
         ]
-        click.echo(write_manifest(self.output, self.recipe, places, made, problems))
+        told = [self._as_anywhere(problem) for problem in dict.fromkeys(problems)]
+        click.echo(write_manifest(self.output, self.recipe, places, made, told))
         return problems
+
+    def _as_anywhere(self, problem: str) -> str:
+        """A problem without the folders of whoever builds: equal datasets have equal bytes."""
+        for folder in (self.output, self.recipe.folder):
+            problem = problem if folder == Path() else problem.replace(f"{folder}/", "")
+        return problem
 
     def _make_apartments(self) -> tuple[list[Place], list[str]]:
         """Write the apartments that are missing; the places that have one, and what failed."""
@@ -207,11 +213,13 @@ class Work:
         """Look at the maps that are there, simulate the others."""
         there = [run for run in runs if run.output.exists()]
         todo = [run for run in runs if not run.output.exists()]
-        with progress_bar("maps") as bar:
-            show = follow(bar, "maps that are there")
-            for done, outcome in enumerate(self._recognised(there), 1):
-                show(done, len(there))
-                yield outcome
+        if there:
+            with progress_bar("maps") as bar:
+                show = follow(bar, "maps that are there")
+                show(0, len(there))
+                for done, outcome in enumerate(self._recognised(there), 1):
+                    show(done, len(there))
+                    yield outcome
         if todo:
             yield from clean(todo, self.jobs, before=len(there))
 

@@ -1,14 +1,14 @@
-"""``roomseg inspect``: what is in a map or an apartment."""
+"""``roomseg inspect``: what is in a map, an apartment or a dataset."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from roomseg.cli.options import json_option
+from roomseg.cli.options import OutputFile, json_option
 from roomseg.cli.output import counted, write_json, write_table
 from roomseg.cli.sources import is_apartment
 
@@ -17,19 +17,51 @@ if TYPE_CHECKING:
     from dataset.topomap import Settings
     from scenes.summary import ApartmentSummary
 
+MOST_PLANS = 60
+"""On a sheet; of more places evenly chosen ones are drawn."""
+SUMS = (
+    ("places", "{}"),
+    ("rooms", "{}"),
+    ("floor_area", "{:.0f} m²"),
+    ("maps", "{}"),
+    ("nodes", "{}"),
+    ("edge_count", "{}"),
+    ("border_edge_count", "{}"),
+    ("images_done", "{}"),
+    ("path_length", "{:.0f} m"),
+    ("mean_coverage", "{:.2%}"),
+    ("largest_drift", "{:.2f} m"),
+)
+"""What is shown of each split, and how."""
+
 EXAMPLE = """\b
 Example:
   roomseg inspect maps/sim4-run1.h5
   roomseg inspect maps/sim4-run1.h5 --json sim4-run1.json
   roomseg inspect home7.json
+  roomseg inspect homes -o sheet.png
 """
 
 
 @click.command("inspect", epilog=EXAMPLE)
-@click.argument("source", metavar="MAP|APARTMENT", type=click.Path(path_type=Path))
+@click.argument("source", metavar="MAP|APARTMENT|DATASET", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=OutputFile(".png", ".svg", ".pdf"),
+    help="Of a dataset: also draw the plans of its apartments on one sheet.",
+)
 @json_option
-def command(*, source: Path, json_file: Path | None) -> None:
-    """Show what is in a map file, or in an apartment (a file or a reference place)."""
+def command(*, source: Path, output: Path | None, json_file: Path | None) -> None:
+    """Show what is in a map file, an apartment (a file or a reference place), or a dataset.
+
+    A dataset is the folder of `roomseg build`.
+    """
+    if source.is_dir():
+        _inspect_dataset(source, output, json_file)
+        return
+    if output is not None:
+        raise click.UsageError("-o: draws the plans of a dataset; `roomseg view` draws one thing")
     if is_apartment(source):
         _inspect_apartment(source, json_file)
     else:
@@ -38,6 +70,60 @@ def command(*, source: Path, json_file: Path | None) -> None:
         summary = summarise(source)
         write_json(json_file, asdict(summary))
         _echo(_lines(summary))
+
+
+def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) -> None:
+    from roomseg.cli.manifest import read_manifest
+
+    figures = read_manifest(folder)
+    write_json(json_file, figures)
+    _echo(_dataset_lines(folder, figures))
+    rows = [
+        (split, *(form.format(sums[name]) if sums["maps"] else "-" for name, form in SUMS))
+        for split, sums in (figures["splits"] | {"all": figures["total"]}).items()
+    ]
+    write_table("", ("split", *(name.replace("_", " ") for name, _ in SUMS)), rows)
+    if output is not None:
+        _draw_sheet(folder, figures, output)
+
+
+def _dataset_lines(folder: Path, figures: dict[str, Any]) -> list[tuple[str, str]]:
+    d, total = figures, figures["total"]
+    wrong = [
+        item["file"]
+        for item in (*d["places"], *d["maps"])
+        if not (folder / item["file"]).is_file()
+        or (folder / item["file"]).stat().st_size != item["bytes"]
+    ]
+    files = f"{wrong[0]} and {len(wrong) - 1} more are missing or changed" if wrong else "all there"
+    return [
+        ("dataset", d["name"]),
+        *([("about", " ".join(d["description"].split()))] if d["description"] else []),
+        ("made", f"seed {d['seed']}, preset {d['preset']}, roomseg {d['libraries']['roomseg']}"),
+        ("places", f"{total['places']} of {total['places_wanted']}"),
+        ("maps", f"{total['maps']} of {total['maps_wanted']}, {total['bytes'] / 1e6:.1f} MB"),
+        ("images", f"{total['images_done']} of {total['nodes']}"),
+        ("files", files),
+        *(("problem", problem) for problem in d["problems"]),
+    ]
+
+
+def _draw_sheet(folder: Path, figures: dict[str, Any], output: Path) -> None:
+    """Draw the plans of a dataset's apartments, split by split."""
+    from dataset.atomic import replacing
+    from roomseg.cli.home_plan import home_plan
+    from roomseg.figures import figure_bytes, plan_sheet
+    from scenes import load_apartment
+
+    order = list(figures["splits"])
+    places = sorted(figures["places"], key=lambda place: order.index(place["split"]))
+    places = places[:: -(-len(places) // MOST_PLANS) or 1]
+    plans = [home_plan(load_apartment(folder / p["file"], checked=False)) for p in places]
+    titles = [f"{p['name']} ({p['split']})\n{p['floor_area']:.0f} m², {p['from']}" for p in places]
+    picture = figure_bytes(plan_sheet(plans, titles), output.suffix.lower())
+    with replacing(output) as part:
+        part.write_bytes(picture)
+    click.echo(str(output))
 
 
 def _echo(lines: list[tuple[str, str]]) -> None:

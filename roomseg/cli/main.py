@@ -29,7 +29,7 @@ COMMANDS = {
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",
     "evaluate": "Judge the method, leaving each environment out once.",
-    "inspect": "Show what is in a map or an apartment.",
+    "inspect": "Show what is in a map, an apartment or a dataset.",
     "validate": "Tell everything that is wrong with maps and apartments.",
     "view": "Draw a map or an apartment.",
     "replay": "Show a cleaning run as a film.",

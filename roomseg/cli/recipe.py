@@ -64,8 +64,9 @@ class Place:
 
 @dataclass(frozen=True)
 class Recipe:
-    """All that a dataset is made of; ``text`` is the file's own."""
+    """All that a dataset is made of; ``text`` is the file's own, ``folder`` where it lies."""
 
+    folder: Path
     text: str
     name: str
     description: str
@@ -158,6 +159,7 @@ class _Reader:
         given = self._fields()
         robot, sensor = self._specs(given)
         return Recipe(
+            folder=self.path.parent,
             text=self.text,
             name=given.name or self.path.stem,
             description=given.description,

@@ -33,6 +33,7 @@ from roomseg.figures.plans import (
     draw_obstacle_map,
     draw_outlines,
 )
+from roomseg.figures.sheet import plan_sheet
 from roomseg.figures.style import figure_bytes, finish_plan, new_figure, png_bytes, scale_bar
 
 __all__ = [
@@ -67,6 +68,7 @@ __all__ = [
     "home_plan_figure",
     "match_rooms",
     "new_figure",
+    "plan_sheet",
     "png_bytes",
     "scale_bar",
     "wrong_nodes",
