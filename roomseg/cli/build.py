@@ -7,7 +7,7 @@ there and right.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -148,7 +148,7 @@ class Work:
         problems += [outcome.problem for outcome in outcomes if outcome.problem is not None]
         reports = {o.output: o.report for o in outcomes if o.report is not None}
         if self.device is not None:
-            problems += self._render([path for path in runs if path in reports], self.device)
+            problems += self._render([path for path in runs if path in reports])
         made = [
             (place, reports[path], path) for path, (place, _) in runs.items() if path in reports
         ]
@@ -232,40 +232,45 @@ class Work:
         else:
             yield from in_processes(_recognise, seen, self.jobs, lambda item: lost(item.run))
 
-    def _render(self, maps: Sequence[Path], device: Device) -> Iterator[str]:
+    def _render(self, maps: Sequence[Path]) -> Iterator[str]:
         """Add the images that are missing; yield one line on each map that has not got them."""
-        from dataset import MapFile, RoomsegError
-        from render import render_map
-        from scenes import SceneError
-
-        counts, total = {}, 0
+        there, total = {}, 0
         for path in maps:
-            with MapFile(path) as file:
-                counts[path], total = file.image_count, total + len(file.done)
-        done = sum(counts.values())
+            there[path], nodes = _images(path)
+            total += nodes
+        done = sum(there.values())
         with progress_bar("images") as bar:
             show = follow(bar, self.recipe.preset.name)
             show(done, total)
             for path in maps:
+                others = done - there[path]
+                problem = self._add_images(
+                    path, lambda n, _, others=others: show(others + n, total)
+                )
+                done = others + _images(path)[0]
+                if problem is not None:
+                    yield problem
 
-                def tell(now: int, _: int, before: int = done - counts[path]) -> None:
-                    show(before + now, total)
+    def _add_images(self, path: Path, show: Callable[[int, int], None]) -> str | None:
+        """Add the images that one map lacks; one line if that is not possible."""
+        from dataset import RoomsegError
+        from render import render_map
+        from scenes import SceneError
 
-                try:
-                    new = render_map(
-                        path,
-                        preset=self.recipe.preset,
-                        threads=self.threads,
-                        device=device,
-                        on_progress=tell,
-                    )
-                except (RoomsegError, SceneError, OSError) as error:
-                    yield str(error)
-                    continue
-                with MapFile(path) as file:
-                    done += file.image_count - counts[path]
-                if new:
-                    click.echo(f"{path}: {new} new images")
+        assert self.device is not None
+        try:
+            new = render_map(
+                path,
+                preset=self.recipe.preset,
+                threads=self.threads,
+                device=self.device,
+                on_progress=show,
+            )
+        except (RoomsegError, SceneError, OSError) as error:
+            return str(error)
+        if new:
+            click.echo(f"{path}: {new} new images")
+        return None
 
 
 @dataclass(frozen=True)
@@ -320,9 +325,17 @@ def _take(place: Place, path: Path) -> None:
         save_apartment(apartment, path)
 
 
+def _images(path: Path) -> tuple[int, int]:
+    """How many images a map has, and how many it should have."""
+    from dataset import MapFile
+
+    with MapFile(path) as file:
+        return file.image_count, len(file.done)
+
+
 def _show(work: Work) -> None:
     """Print what is there of each split."""
-    from dataset import MapFile, RoomsegError
+    from dataset import RoomsegError
     from roomseg.cli.recipe import SPLITS
 
     rows = []
@@ -331,13 +344,13 @@ def _show(work: Work) -> None:
         apartments = sum(work.apartment(place).exists() for place in places)
         maps = [run.output for place in places for run in work.runs(place)]
         there = [path for path in maps if path.exists()]
-        images = nodes = 0
+        counts = [(0, 0)]
         for path in there:
             try:
-                with MapFile(path) as file:
-                    images, nodes = images + file.image_count, nodes + len(file.done)
+                counts.append(_images(path))
             except RoomsegError as error:
                 click.echo(f"roomseg: error: {error}", err=True)
+        images, nodes = (sum(column) for column in zip(*counts, strict=True))
         cells = (f"{apartments} of {len(places)}", f"{len(there)} of {len(maps)}")
         rows.append((split, *cells, f"{images} of {nodes}" if nodes else "-"))
     write_table("", ("split", "apartments", "maps", "images of these maps"), rows)

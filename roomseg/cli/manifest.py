@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -65,6 +65,7 @@ def write_manifest(
     problems : sequence of str
         What failed, one line each.
     """
+    camera = replace(recipe.camera, height=recipe.sensor.camera_height)
     homes = [_place(folder, place) for place in places]
     maps = [_map(folder, *item) for item in made]
     wanted = sum(place.runs for place in recipe.places)
@@ -80,7 +81,7 @@ def write_manifest(
         "recipe": {"file": "recipe.toml", "sha256": _sha256(recipe.text.encode())},
         "robot": settings_of(recipe.robot),
         "sensor": settings_of(recipe.sensor),
-        "camera": asdict(recipe.camera) | {"height": recipe.sensor.camera_height},
+        "camera": asdict(recipe.preset.camera(camera)),
         "splits": {split: _sums(recipe, homes, maps, (split,)) for split in SPLITS},
         "total": _sums(recipe, homes, maps, SPLITS),
         "problems": problems,

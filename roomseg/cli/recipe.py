@@ -180,8 +180,8 @@ class _Reader:
     def refuse_named(self, keys: Keys, message: str) -> NoReturn:
         """Refuse what an error says that begins with the name of a field in a table."""
         table, (names, _, words) = value_at(self.data, keys), message.partition(": ")
-        known = [name for name in re.findall(r"\w+", names) if name in (table or ())]
-        known += [f"{name}_deg" for name in known if f"{name}_deg" in table]
+        named = [name + end for name in re.findall(r"\w+", names) for end in ("", "_deg")]
+        known = [name for name in named if name in table]
         if len(known) == 1:
             self.refuse((*keys, known[0]), words)
         self.refuse(keys, message)

@@ -118,7 +118,11 @@ reference = "demo1"
         ("radius = 0.15", 'radius = "a"', "line 3: robot.radius: 'a', expected a number"),
         ("robot = {", 'robot = "no.toml" #', "line 4: sensor: expected it in 'no.toml'"),
         ("beams = 8", "beams = 0", "line 5: sensor.beams: 0, expected"),
-        ("disc_diameter = 32", "disc = 32", "line 8: camera.disc: unknown key; did you mean"),
+        (
+            "disc_diameter = 32",
+            "disk_diameter = 32",
+            "line 8: camera.disk_diameter: unknown key; did",
+        ),
         ("disc_diameter = 32", "disc_diameter = -32", "line 8: camera.disc_diameter: -32.0, exp"),
         ("disc_diameter = 32", 'disc_diameter = "w"', "line 8: camera.disc_diameter: 'w'; exp"),
         ("disc_diameter = 32", "field_of_view_deg = 400", "line 8: camera.field_of_view_deg: 6.98"),
