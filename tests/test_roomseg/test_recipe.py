@@ -121,7 +121,7 @@ reference = "demo1"
         (
             "disc_diameter = 32",
             "disk_diameter = 32",
-            "line 8: camera.disk_diameter: unknown key; did",
+            "camera.disk_diameter: unknown key; did you",
         ),
         ("disc_diameter = 32", "disc_diameter = -32", "line 8: camera.disc_diameter: -32.0, exp"),
         ("disc_diameter = 32", 'disc_diameter = "w"', "line 8: camera.disc_diameter: 'w'; exp"),
