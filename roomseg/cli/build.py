@@ -16,7 +16,7 @@ import click
 
 from roomseg.cli.generate import is_there, write_homes
 from roomseg.cli.options import jobs_option
-from roomseg.cli.output import counted, follow, progress_bar, write_table
+from roomseg.cli.output import counted, follow, progress_bar, tell, write_table
 from roomseg.cli.runs import Outcome, Run, lost, recognise
 from roomseg.cli.simulate import clean, runs_in, tell_all
 
@@ -251,15 +251,15 @@ class Work:
                 if problem is not None:
                     yield problem
 
-    def _add_images(self, path: Path, show: Callable[[int, int], None]) -> str | None:
-        """Add the images that one map lacks; one line if that is not possible."""
+    def _add_images(self, path: Path, show: Callable[[int, int], None]) -> int | str:
+        """Add the images that one map lacks; how many, or one line on why not."""
         from dataset import RoomsegError
         from render import render_map
         from scenes import SceneError
 
         assert self.device is not None
         try:
-            new = render_map(
+            return render_map(
                 path,
                 preset=self.recipe.preset,
                 threads=self.threads,
@@ -268,9 +268,6 @@ class Work:
             )
         except (RoomsegError, SceneError, OSError) as error:
             return str(error)
-        if new:
-            click.echo(f"{path}: {new} new images")
-        return None
 
 
 @dataclass(frozen=True)
