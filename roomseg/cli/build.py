@@ -243,13 +243,13 @@ class Work:
             show = follow(bar, self.recipe.preset.name)
             show(done, total)
             for path in maps:
-                others = done - there[path]
-                problem = self._add_images(
-                    path, lambda n, _, others=others: show(others + n, total)
-                )
-                done = others + _images(path)[0]
-                if problem is not None:
-                    yield problem
+                done -= there[path]
+                new = self._add_images(path, lambda n, _, more=done: show(more + n, total))
+                done += _images(path)[0]
+                if isinstance(new, str):
+                    yield new
+                elif new:
+                    tell(bar, f"{path}: {counted(new, 'new image')}")
 
     def _add_images(self, path: Path, show: Callable[[int, int], None]) -> int | str:
         """Add the images that one map lacks; how many, or one line on why not."""

@@ -224,7 +224,7 @@ def test_images_are_made_and_kept(folder, capsys):
     before = contents("homes")
     capsys.readouterr()
     assert main(["build", "recipe.toml", "-o", "homes"]) == 0
-    assert "new images" not in capsys.readouterr().out
+    assert "new image" not in capsys.readouterr().out
     assert contents("homes") == before
     Path("recipe.toml").write_text(text.replace('"quick"', '"draft"'))
     assert main(["build", "recipe.toml", "-o", "homes"]) == 2
