@@ -70,13 +70,14 @@ def write_manifest(
     maps = [_map(folder, *item) for item in made]
     wanted = sum(place.runs for place in recipe.places)
     whole = len(maps) == wanted and all(item["images_done"] == item["nodes"] for item in maps)
-    figures = FORMAT | {
+    figures: dict[str, Any] = FORMAT | {
         "name": recipe.name,
         "description": recipe.description,
         "complete": whole and not problems,
         "seed": recipe.seed,
         "created": recipe.created,
         "preset": recipe.preset.name,
+        "hdr": recipe.hdr,
         "libraries": {name: version(name) for name in LIBRARIES},
         "recipe": {"file": "recipe.toml", "sha256": _sha256(recipe.text.encode())},
         "robot": settings_of(recipe.robot),
@@ -111,7 +112,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         figures = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise RoomsegError(
-            f"{folder}: no {MANIFEST}; expected the folder of a finished `roomseg build`"
+            f"{folder}: is a folder without {MANIFEST}; expected that of a finished `roomseg build`"
         ) from None
     except (OSError, ValueError) as error:
         raise FormatError(f"{path}: cannot be read: {error}") from error

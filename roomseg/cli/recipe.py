@@ -11,16 +11,15 @@ import difflib
 import json
 import re
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime
-from math import ceil, radians
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, Literal, NoReturn, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from dataset import REAL_CAMERA, SIMULATED_CAMERA, FisheyeCamera, RoomsegError
+from dataset import REAL_CAMERA, SIMULATED_CAMERA, FisheyeCamera, FormatError, RoomsegError
 from render import preset_named
 from render.blender import render_window
 from render.presets import Preset
@@ -29,11 +28,13 @@ from scenes import SceneError, load_apartment, reference_names
 from scenes.faults import value_fault
 from scenes.generator import Wishes, apartment_name
 from simulator import RobotSpec, SensorSpec, read_specs, specs_of
+from simulator.camera_file import camera_of, read_camera
 
 __all__ = ["SPLITS", "Place", "Recipe", "Split", "read_recipe"]
 
 Split = Literal["train", "validation", "test"]
 Starts = Literal["own", "random"]
+Spec = TypeVar("Spec")
 
 SPLITS: tuple[Split, ...] = ("train", "validation", "test")
 CAMERAS = {"simulated": SIMULATED_CAMERA, "real": REAL_CAMERA}
@@ -73,6 +74,7 @@ class Recipe:
     seed: int
     created: str
     preset: Preset
+    hdr: bool
     robot: RobotSpec
     sensor: SensorSpec
     camera: FisheyeCamera
@@ -127,7 +129,8 @@ class _Fields(_Table):
     starts: Starts = "own"
     robot: str | dict[str, Any] = {}
     sensor: dict[str, Any] = {}
-    camera: str | dict[str, Any] = "simulated"
+    camera: str | dict[str, Any] | None = None
+    hdr: bool = False
 
 
 def read_recipe(path: str | Path) -> Recipe:
@@ -166,9 +169,10 @@ class _Reader:
             seed=given.seed,
             created=self._date(given.created),
             preset=self._preset(given.preset),
+            hdr=given.hdr,
             robot=robot,
             sensor=sensor,
-            camera=self._camera(given.camera),
+            camera=self._camera(given),
             places=self._places(given),
         )
 
@@ -216,59 +220,40 @@ class _Reader:
             self.refuse_named((), str(error))
 
     def _specs(self, given: _Fields) -> tuple[RobotSpec, SensorSpec]:
+        """The robot and its sensors, by tables or by a robot's file."""
         if isinstance(given.robot, str):
             if given.sensor:
                 self.refuse(("sensor",), f"expected it in {given.robot!r}, the robot's file")
-            try:
-                return read_specs(self._inside(("robot",), given.robot))
-            except RoomsegError as error:
-                self.refuse(("robot",), str(error))
+            return self._of_file(read_specs, given.robot)
         try:
             return specs_of(self.data)
         except RoomsegError as error:
-            table, _, setting = str(error).partition(".")
-            if value_at(self.data, (table, setting.partition(":")[0])) is not None:
-                self.refuse((table, setting.partition(":")[0]), setting.partition(": ")[2])
-            self.refuse_named((table,), setting)
+            self._refuse_setting(str(error))
 
-    def _camera(self, given: str | dict[str, Any]) -> FisheyeCamera:
-        if isinstance(given, str):
-            if given not in CAMERAS:
-                self.refuse(("camera",), f"{given!r}; expected 'simulated', 'real' or a table")
-            return CAMERAS[given]
-        settings = self._camera_settings(given)
+    def _camera(self, given: _Fields) -> FisheyeCamera:
+        """The camera: the recipe's, else that of the robot's file, else the usual one."""
+        if isinstance(given.camera, str):
+            if given.camera not in CAMERAS:
+                self.refuse(("camera",), f"{given.camera!r}; expected 'simulated', 'real', a table")
+            return CAMERAS[given.camera]
+        if given.camera is None and isinstance(given.robot, str):
+            return self._of_file(_read_camera, given.robot)
         try:
-            camera = TypeAdapter(FisheyeCamera).validate_json(json.dumps(settings))
-            render_window(camera)
-        except ValidationError as error:
-            fault = error.errors(include_url=False)[0]
-            if fault["type"] == "value_error":
-                self.refuse_named(("camera",), str(fault["ctx"]["error"]))
-            name = str(fault["loc"][0])
-            self.refuse_named(("camera",), f"{name}: {_short(given[name])}; {value_fault(fault)}")
-        except ValueError as error:
-            self.refuse_named(("camera",), str(error))
-        return camera
+            return _renderable(camera_of(self.data.get("camera", {})))
+        except RoomsegError as error:
+            self._refuse_setting(str(error))
 
-    def _camera_settings(self, given: dict[str, Any]) -> dict[str, Any]:
-        """By the names of `FisheyeCamera`; angles may be in degrees."""
-        known = [field.name for field in fields(FisheyeCamera) if field.name != "height"]
-        settings = {}
-        for name, value in given.items():
-            stem = name.removesuffix("_deg")
-            if name == "height":
-                self.refuse(("camera", name), "is the robot's; expected sensor.camera_height")
-            if stem not in known:
-                self.refuse(("camera", name), f"unknown key{_suggest(name, known)}")
-            if stem != name and not isinstance(value, int | float):
-                self.refuse(("camera", name), f"{_short(value)}; expected a number")
-            settings[stem] = value if stem == name else radians(value)
-        diameter, size = settings.get("disc_diameter"), settings.get("image_size")
-        if isinstance(diameter, int | float) and size is None and 0 < diameter < 1e5:
-            settings["image_size"] = size = [ceil(diameter)] * 2
-        if size is not None and "disc_centre" not in settings and _numbers(size):
-            settings["disc_centre"] = [value / 2 for value in size]
-        return settings
+    def _of_file(self, read: Callable[[Path], Spec], name: str) -> Spec:
+        """What a robot's file says."""
+        try:
+            return read(self._inside(("robot",), name))
+        except RoomsegError as error:
+            self.refuse(("robot",), str(error))
+
+    def _refuse_setting(self, message: str) -> NoReturn:
+        """Refuse what an error says that begins with a table and the name of a setting."""
+        table, _, setting = message.partition(".")
+        self.refuse_named((table,), setting)
 
     def _places(self, given: _Fields) -> tuple[Place, ...]:
         """All places, none of them twice."""
@@ -316,7 +301,9 @@ class _Reader:
         for name in options:
             if name not in known:
                 self.refuse((*keys, name), f"unknown key{_suggest(name, known)}")
-        lists = {n: tuple(v) if isinstance(v, list) else v for n, v in options.items()}
+        lists: dict[str, Any] = {
+            n: tuple(v) if isinstance(v, list) else v for n, v in options.items()
+        }
         try:
             return Wishes(**lists)
         except SceneError as error:
@@ -345,8 +332,28 @@ def _short(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _numbers(values: Any) -> bool:
-    return isinstance(values, list) and all(isinstance(value, int | float) for value in values)
+def _read_camera(path: Path) -> FisheyeCamera:
+    """The camera of a robot's file.
+
+    Raises
+    ------
+    RoomsegError
+        If it cannot be read, or its images could not be rendered later.
+    """
+    try:
+        return _renderable(read_camera(path))
+    except FormatError as error:
+        named = str(error).startswith(f"{path}: ")
+        raise RoomsegError(str(error) if named else f"{path}: {error}") from error
+
+
+def _renderable(camera: FisheyeCamera) -> FisheyeCamera:
+    """The camera; FormatError, that begins as those of `camera_of`, if it cannot be rendered."""
+    try:
+        render_window(camera)
+    except ValueError as error:
+        raise FormatError(f"camera.{error}") from error
+    return camera
 
 
 def _name_in(source: Path) -> str:
