@@ -8,7 +8,9 @@ there and right.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,14 +20,14 @@ from roomseg.cli.generate import is_there, write_homes
 from roomseg.cli.options import jobs_option
 from roomseg.cli.output import counted, follow, progress_bar, tell, write_table
 from roomseg.cli.runs import Outcome, Run, lost, recognise
-from roomseg.cli.simulate import clean, runs_in, tell_all
+from roomseg.cli.simulate import clean, tell_all
 
 if TYPE_CHECKING:
-    from dataset import FisheyeCamera
-    from render.cycles import Device
-    from roomseg.cli.recipe import Place, Recipe
+    from rich.progress import Progress
 
-APARTMENTS = "apartments"
+    from render.cycles import Device
+    from roomseg.cli.dataset_files import DatasetFiles
+    from roomseg.cli.recipe import Place
 
 EXAMPLE = """\b
 Example:
@@ -67,83 +69,68 @@ def command(
 ) -> None:
     """Make the dataset of RECIPE: apartments, runs, images, a manifest and a card.
 
-    RECIPE is a TOML file (docs/build.md). What is there and right is left alone, so that a
-    stopped command can be called again. What fails is listed at the end; the rest goes on.
+    RECIPE is a TOML file (docs/build.md). The first line tells what is missing. What is
+    there and right is left alone, so that a stopped command can be called again. What fails
+    is listed at the end; the rest goes on.
     """
     from dataset.atomic import locked
+    from roomseg.cli.dataset_files import DatasetFiles
     from roomseg.cli.manifest import MANIFEST
     from roomseg.cli.recipe import read_recipe
 
-    wanted = read_recipe(recipe)
-    work = Work(wanted, output, jobs, threads, None if no_images else device)
-    work.refuse_strangers()
+    files = DatasetFiles(read_recipe(recipe), output)
+    files.refuse_strangers()
     if dry_run:
-        _show(work)
+        _show(files, images=not no_images)
         return
     output.mkdir(parents=True, exist_ok=True)
     with locked(output / MANIFEST):
-        tell_all(work.build())
+        files.remove_leftovers()
+        if files.is_complete():
+            click.echo(f"{output}: nothing is missing")
+            return
+        tell_all(Work(files, jobs, threads, None if no_images else device).build())
+
+
+def _show(files: DatasetFiles, *, images: bool) -> None:
+    """Print what is there of each split, and what is missing."""
+    from roomseg.cli.dataset_files import images_of
+    from roomseg.cli.recipe import SPLITS
+
+    rows = []
+    for split in SPLITS:
+        places = [place for place in files.recipe.places if place.split == split]
+        apartments = sum(files.apartment(place).exists() for place in places)
+        maps = [run.output for place in places for run in files.runs(place)]
+        there = [path for path in maps if path.exists()]
+        done, nodes = (sum(column) for column in zip((0, 0), *map(images_of, there), strict=True))
+        cells = (f"{apartments} of {len(places)}", f"{len(there)} of {len(maps)}")
+        rows.append((split, *cells, f"{done} of {nodes}" if nodes else "-"))
+    write_table("", ("split", "apartments", "maps", "images of these maps"), rows)
+    click.echo(f"missing: {files.missing(images=images).line(files.folder) or 'nothing'}")
 
 
 @dataclass(frozen=True)
 class Work:
     """A dataset to be made; without a device there are no images."""
 
-    recipe: Recipe
-    output: Path
+    files: DatasetFiles
     jobs: int
     threads: int | None
     device: Device | None
-
-    def apartment(self, place: Place) -> Path:
-        """Where the apartment of a place is."""
-        return self.output / APARTMENTS / f"{place.name}.json"
-
-    def runs(self, place: Place) -> list[Run]:
-        """The runs in a place."""
-        recipe = self.recipe
-        usual = Run(
-            "",
-            "",
-            0,
-            recipe.created,
-            self.output / place.split,
-            recipe.robot,
-            recipe.sensor,
-            recipe.camera,
-            "random" if place.starts == "random" else None,
-        )
-        return [*runs_in({place.name: str(self.apartment(place))}, usual, place.runs, recipe.seed)]
-
-    def refuse_strangers(self) -> None:
-        """Refuse to build around files that are not of the recipe: they would be taken for it.
-
-        Raises
-        ------
-        RoomsegError
-            One line that names the first.
-        """
-        from dataset import RoomsegError
-        from roomseg.cli.recipe import SPLITS
-
-        known = {self.apartment(place) for place in self.recipe.places}
-        known |= {run.output for place in self.recipe.places for run in self.runs(place)}
-        found = {*(self.output / APARTMENTS).glob("*.json")}
-        found |= {path for split in SPLITS for path in (self.output / split).glob("*.h5")}
-        if strange := sorted(found - known):
-            raise RoomsegError(
-                f"{strange[0]}: not of this recipe, as it is now; remove it or choose another "
-                f"folder ({counted(len(strange), 'such file')} in {self.output})"
-            )
 
     def build(self) -> list[str]:
         """Make what is missing, and the manifest last; one line on each thing that failed."""
         from roomseg.cli.manifest import MANIFEST, write_manifest
 
-        (self.output / MANIFEST).unlink(missing_ok=True)
+        files = self.files
+        missing = files.missing(images=self.device is not None).line(files.folder)
+        click.echo(f"{files.folder}: missing: {missing or 'nothing but the manifest'}")
+        (files.folder / MANIFEST).unlink(missing_ok=True)
         places, problems = self._make_apartments()
         self._refuse_twins(places)
-        runs = {run.output: (place, run) for place in places for run in self.runs(place)}
+        good = {place.name for place in places}
+        runs = {path: item for path, item in files.all_runs().items() if item[0].name in good}
         outcomes = [*self._clean([run for _, run in runs.values()])]
         problems += [outcome.problem for outcome in outcomes if outcome.problem is not None]
         reports = {o.output: o.report for o in outcomes if o.report is not None}
@@ -153,12 +140,12 @@ class Work:
             (place, reports[path], path) for path, (place, _) in runs.items() if path in reports
         ]
         told = [self._as_anywhere(problem) for problem in dict.fromkeys(problems)]
-        click.echo(write_manifest(self.output, self.recipe, places, made, told))
+        click.echo(write_manifest(files.folder, files.recipe, places, made, told))
         return problems
 
     def _as_anywhere(self, problem: str) -> str:
         """A problem without the folders of whoever builds: equal datasets have equal bytes."""
-        for folder in (self.output, self.recipe.folder):
+        for folder in (self.files.folder, self.files.recipe.folder):
             problem = problem if folder == Path() else problem.replace(f"{folder}/", "")
         return problem
 
@@ -167,11 +154,11 @@ class Work:
         from dataset import RoomsegError
         from scenes import SceneError
 
-        (self.output / APARTMENTS).mkdir(exist_ok=True)
-        there: set[Path] = set()
+        files, there = self.files, set[Path]()
         todo, problems = [], []
-        for place in self.recipe.places:
-            path = self.apartment(place)
+        for place in files.recipe.places:
+            path = files.apartment(place)
+            path.parent.mkdir(exist_ok=True)
             try:
                 if place.wishes is None:
                     _take(place, path)
@@ -184,9 +171,7 @@ class Work:
         if todo:
             problems += write_homes(todo, self.jobs, before=len(there))
         made = there | {path for _, _, path in todo if path.exists()}
-        good = [place for place in self.recipe.places if self.apartment(place) in made]
-        click.echo(f"{self.output / APARTMENTS}: {len(good)} of {len(self.recipe.places)}")
-        return good, problems
+        return [place for place in files.recipe.places if files.apartment(place) in made], problems
 
     def _refuse_twins(self, places: Sequence[Place]) -> None:
         """Refuse the same apartment under two names in two splits.
@@ -198,15 +183,16 @@ class Work:
         from dataset import RoomsegError
         from scenes import load_apartment
 
-        seen: dict[str, Place] = {}
+        seen: dict[bytes, Place] = {}
         for place in places:
-            apartment = load_apartment(self.apartment(place), checked=False)
+            path = self.files.apartment(place)
+            apartment = load_apartment(path, checked=False)
             text = apartment.model_dump_json(exclude={"name", "description", "start"})
-            other = seen.setdefault(text, place)
+            other = seen.setdefault(sha256(text.encode()).digest(), place)
             if other.split != place.split:
                 raise RoomsegError(
-                    f"{self.apartment(place)}: the apartment of {other.name!r} by another name; "
-                    f"expected it in one split, not in {other.split} and {place.split}"
+                    f"{path}: the apartment of {other.name!r} by another name; expected it in "
+                    f"one split, not in {other.split} and {place.split}"
                 )
 
     def _clean(self, runs: Sequence[Run]) -> Iterator[Outcome]:
@@ -226,76 +212,53 @@ class Work:
     def _recognised(self, runs: Sequence[Run]) -> Iterator[Outcome]:
         from roomseg.cli.parallel import in_processes
 
-        seen = [Seen(run, self.recipe.preset.camera(_camera(run))) for run in runs]
-        if self.jobs == 1 or len(seen) < 2:
-            yield from map(_recognise, seen)
+        look = partial(recognise, judged=True)
+        if self.jobs == 1 or len(runs) < 2:
+            yield from map(look, runs)
         else:
-            yield from in_processes(_recognise, seen, self.jobs, lambda item: lost(item.run))
+            yield from in_processes(look, runs, self.jobs, lost)
 
     def _render(self, maps: Sequence[Path]) -> Iterator[str]:
         """Add the images that are missing; yield one line on each map that has not got them."""
-        there, total = {}, 0
-        for path in maps:
-            there[path], nodes = _images(path)
-            total += nodes
-        done = sum(there.values())
+        from roomseg.cli.dataset_files import images_of
+
+        counts = {path: images_of(path) for path in maps}
+        done, total = (sum(column) for column in zip((0, 0), *counts.values(), strict=True))
         with progress_bar("images") as bar:
-            show = follow(bar, self.recipe.preset.name)
+            show = follow(bar, self.files.recipe.preset.name)
             show(done, total)
-            for path in maps:
-                done -= there[path]
-                new = self._add_images(path, lambda n, _, more=done: show(more + n, total))
-                done += _images(path)[0]
+            for path, (there, _) in counts.items():
+                others = done - there
+
+                def show_all(now: int, _: int, others: int = others) -> None:
+                    show(others + now, total)
+
+                new = self._add_images(path, bar, show_all)
+                done = others + images_of(path)[0]
                 if isinstance(new, str):
                     yield new
                 elif new:
                     tell(bar, f"{path}: {counted(new, 'new image')}")
 
-    def _add_images(self, path: Path, show: Callable[[int, int], None]) -> int | str:
+    def _add_images(self, path: Path, bar: Progress, show: Callable[[int, int], None]) -> int | str:
         """Add the images that one map lacks; how many, or one line on why not."""
         from dataset import RoomsegError
         from render import render_map
         from scenes import SceneError
 
         assert self.device is not None
+        bar.update(bar.task_ids[0], description=path.stem)
         try:
             return render_map(
                 path,
-                preset=self.recipe.preset,
+                preset=self.files.recipe.preset,
                 threads=self.threads,
                 device=self.device,
+                hdr=self.files.recipe.hdr,
                 on_progress=show,
             )
         except (RoomsegError, SceneError, OSError) as error:
             return str(error)
-
-
-@dataclass(frozen=True)
-class Seen:
-    """A run whose map is there, and the camera that its images have or will have."""
-
-    run: Run
-    camera: FisheyeCamera
-
-
-def _recognise(seen: Seen) -> Outcome:
-    """Make sure that a map that is there is the one of the run and has its camera."""
-    from dataset import read_map
-
-    outcome = recognise(seen.run, judged=True)
-    if outcome.problem is not None:
-        return outcome
-    if read_map(seen.run.output).camera in (seen.camera, _camera(seen.run)):
-        return outcome
-    return Outcome(
-        seen.run.output,
-        problem=f"{seen.run.output}: already there, but of another camera; choose another folder",
-    )
-
-
-def _camera(run: Run) -> FisheyeCamera:
-    """The camera of a run's map: at the height that its robot has it."""
-    return replace(run.camera, height=run.sensor.camera_height)
 
 
 def _take(place: Place, path: Path) -> None:
@@ -320,34 +283,3 @@ def _take(place: Place, path: Path) -> None:
     take_scene_file(apartment, Path(place.source).parent, path.parent)
     if not path.exists():
         save_apartment(apartment, path)
-
-
-def _images(path: Path) -> tuple[int, int]:
-    """How many images a map has, and how many it should have."""
-    from dataset import MapFile
-
-    with MapFile(path) as file:
-        return file.image_count, len(file.done)
-
-
-def _show(work: Work) -> None:
-    """Print what is there of each split."""
-    from dataset import RoomsegError
-    from roomseg.cli.recipe import SPLITS
-
-    rows = []
-    for split in SPLITS:
-        places = [place for place in work.recipe.places if place.split == split]
-        apartments = sum(work.apartment(place).exists() for place in places)
-        maps = [run.output for place in places for run in work.runs(place)]
-        there = [path for path in maps if path.exists()]
-        counts = [(0, 0)]
-        for path in there:
-            try:
-                counts.append(_images(path))
-            except RoomsegError as error:
-                click.echo(f"roomseg: error: {error}", err=True)
-        images, nodes = (sum(column) for column in zip(*counts, strict=True))
-        cells = (f"{apartments} of {len(places)}", f"{len(there)} of {len(maps)}")
-        rows.append((split, *cells, f"{images} of {nodes}" if nodes else "-"))
-    write_table("", ("split", "apartments", "maps", "images of these maps"), rows)

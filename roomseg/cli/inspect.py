@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from dataset.topomap import Settings
     from scenes.summary import ApartmentSummary
 
-MOST_PLANS = 60
-"""On a sheet; of more places evenly chosen ones are drawn."""
 SUMS = (
     ("places", "{}"),
     ("rooms", "{}"),
@@ -49,7 +47,7 @@ Example:
     "-o",
     "--output",
     type=OutputFile(".png", ".svg", ".pdf"),
-    help="Of a dataset: also draw the plans of its apartments on one sheet.",
+    help="Of a dataset: also draw plans, images and figures on one sheet.",
 )
 @json_option
 def command(*, source: Path, output: Path | None, json_file: Path | None) -> None:
@@ -61,7 +59,7 @@ def command(*, source: Path, output: Path | None, json_file: Path | None) -> Non
         _inspect_dataset(source, output, json_file)
         return
     if output is not None:
-        raise click.UsageError("-o: draws the plans of a dataset; `roomseg view` draws one thing")
+        raise click.UsageError("-o: draws a dataset; `roomseg view` draws a map or an apartment")
     if is_apartment(source):
         _inspect_apartment(source, json_file)
     else:
@@ -84,18 +82,19 @@ def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) 
     ]
     write_table("", ("split", *(name.replace("_", " ") for name, _ in SUMS)), rows)
     if output is not None:
-        _draw_sheet(folder, figures, output)
+        from roomseg.cli.overview import write_overview
+
+        write_overview(folder, figures, output)
+        click.echo(str(output))
 
 
 def _dataset_lines(folder: Path, figures: dict[str, Any]) -> list[tuple[str, str]]:
+    from roomseg.cli.manifest import changed_files
+
     d, total = figures, figures["total"]
-    wrong = [
-        item["file"]
-        for item in (*d["places"], *d["maps"])
-        if not (folder / item["file"]).is_file()
-        or (folder / item["file"]).stat().st_size != item["bytes"]
-    ]
-    files = f"{wrong[0]} and {len(wrong) - 1} more are missing or changed" if wrong else "all there"
+    wrong = changed_files(folder, figures)
+    more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+    files = f"{wrong[0]}{more}: missing or changed" if wrong else "all there"
     return [
         ("dataset", d["name"]),
         *([("about", " ".join(d["description"].split()))] if d["description"] else []),
@@ -106,24 +105,6 @@ def _dataset_lines(folder: Path, figures: dict[str, Any]) -> list[tuple[str, str
         ("files", files),
         *(("problem", problem) for problem in d["problems"]),
     ]
-
-
-def _draw_sheet(folder: Path, figures: dict[str, Any], output: Path) -> None:
-    """Draw the plans of a dataset's apartments, split by split."""
-    from dataset.atomic import replacing
-    from roomseg.cli.home_plan import home_plan
-    from roomseg.figures import figure_bytes, plan_sheet
-    from scenes import load_apartment
-
-    order = list(figures["splits"])
-    places = sorted(figures["places"], key=lambda place: order.index(place["split"]))
-    places = places[:: -(-len(places) // MOST_PLANS) or 1]
-    plans = [home_plan(load_apartment(folder / p["file"], checked=False)) for p in places]
-    titles = [f"{p['name']} ({p['split']})\n{p['floor_area']:.0f} m², {p['from']}" for p in places]
-    picture = figure_bytes(plan_sheet(plans, titles), output.suffix.lower())
-    with replacing(output) as part:
-        part.write_bytes(picture)
-    click.echo(str(output))
 
 
 def _echo(lines: list[tuple[str, str]]) -> None:

@@ -7,22 +7,26 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from importlib.metadata import version
-from pathlib import Path
-from typing import Any
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Any, Literal
 
 import jinja2
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 
 from dataset import FormatError, RoomsegError, summarise
 from dataset.atomic import write_text
 from roomseg.cli.output import counted
+from roomseg.cli.overview import OVERVIEW, write_overview
 from roomseg.cli.recipe import SPLITS, Place, Recipe
+from roomseg.cli.toml_lines import dotted
 from scenes import load_apartment
+from scenes.faults import value_fault
 from scenes.summary import summarise_apartment
 from simulator import CoverageReport, settings_of
 
-__all__ = ["MANIFEST", "read_manifest", "write_manifest"]
+__all__ = ["CARD", "MANIFEST", "RECIPE", "changed_files", "read_manifest", "write_manifest"]
 
-MANIFEST = "manifest.json"
+MANIFEST, CARD, RECIPE = "manifest.json", "README.md", "recipe.toml"
 FORMAT = {"format": "roomseg-dataset", "format_version": 1}
 LIBRARIES = ("roomseg", "bpy", "numpy", "scipy", "shapely", "h5py")
 """Those that the bytes of the files depend on."""
@@ -44,6 +48,77 @@ SUMS = ("nodes", "edge_count", "border_edge_count", "images_done", "path_length"
 Made = tuple[Place, CoverageReport, Path]
 
 
+def _inside(name: str) -> str:
+    """A name that stays in the dataset's folder."""
+    path = PurePosixPath(name)
+    if path.is_absolute() or not path.parts or ".." in path.parts:
+        raise ValueError("expected the name of a file in the folder")
+    return name
+
+
+Inside = Annotated[str, AfterValidator(_inside)]
+Split = Literal["train", "validation", "test"]
+
+
+class _Figures(BaseModel):
+    """What `inspect` and `build` need to find; all else is kept as it is."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+
+
+class _File(_Figures):
+    file: Inside
+    bytes: int
+    sha256: str
+    split: Split
+
+
+class _PlaceFigures(_File):
+    name: str
+    rooms: int
+    floor_area: float
+
+
+class _MapFigures(_File):
+    place: str
+    nodes: int
+    images_done: int
+    coverage: float
+
+
+class _Sums(_Figures):
+    places: int
+    places_wanted: int
+    rooms: int
+    floor_area: float
+    maps: int
+    maps_wanted: int
+    nodes: int
+    edge_count: int
+    border_edge_count: int
+    images_done: int
+    path_length: float
+    bytes: int
+    mean_coverage: float | None
+    largest_drift: float | None
+
+
+class _Manifest(_Figures):
+    format: Literal["roomseg-dataset"]
+    format_version: Literal[1]
+    name: str
+    description: str
+    complete: bool
+    seed: int
+    preset: str
+    libraries: dict[str, str]
+    splits: dict[Split, _Sums]
+    total: _Sums
+    problems: list[str]
+    places: list[_PlaceFigures]
+    maps: list[_MapFigures]
+
+
 def write_manifest(
     folder: Path,
     recipe: Recipe,
@@ -51,7 +126,7 @@ def write_manifest(
     made: Iterable[Made],
     problems: Sequence[str],
 ) -> str:
-    """Write recipe, card and, last of all, manifest; return a line on what there is.
+    """Write recipe, picture, card and, last of all, manifest; return a line on what there is.
 
     Parameters
     ----------
@@ -79,7 +154,7 @@ def write_manifest(
         "preset": recipe.preset.name,
         "hdr": recipe.hdr,
         "libraries": {name: version(name) for name in LIBRARIES},
-        "recipe": {"file": "recipe.toml", "sha256": _sha256(recipe.text.encode())},
+        "recipe": {"file": RECIPE, "sha256": _sha256(recipe.text.encode())},
         "robot": settings_of(recipe.robot),
         "sensor": settings_of(recipe.sensor),
         "camera": asdict(recipe.preset.camera(camera)),
@@ -89,8 +164,10 @@ def write_manifest(
         "places": homes,
         "maps": maps,
     }
-    write_text(folder / "recipe.toml", recipe.text)
-    write_text(folder / "README.md", _card(figures))
+    write_text(folder / RECIPE, recipe.text)
+    if homes:
+        write_overview(folder, figures, folder / OVERVIEW)
+    write_text(folder / CARD, _card(figures))
     write_text(folder / MANIFEST, json.dumps(figures, indent=1, ensure_ascii=False) + "\n")
     total = figures["total"]
     return (
@@ -116,9 +193,28 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         ) from None
     except (OSError, ValueError) as error:
         raise FormatError(f"{path}: cannot be read: {error}") from error
-    if not isinstance(figures, dict) or {key: figures.get(key) for key in FORMAT} != FORMAT:
-        raise FormatError(f"{path}: not the manifest of a dataset, expected format {FORMAT}")
-    return figures
+    try:
+        _Manifest.model_validate(figures)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        where = dotted(fault["loc"]) or "content"
+        raise FormatError(f"{path}: {where}: {value_fault(fault)}") from error
+    return dict(figures)
+
+
+def changed_files(folder: Path, figures: Mapping[str, Any], *, thorough: bool = False) -> list[str]:
+    """The files of a manifest that are missing or of another size or, ``thorough``, content."""
+    return [
+        item["file"]
+        for item in (*figures["places"], *figures["maps"])
+        if not _is_same(folder / item["file"], item, thorough=thorough)
+    ]
+
+
+def _is_same(path: Path, item: Mapping[str, Any], *, thorough: bool) -> bool:
+    if not path.is_file() or path.stat().st_size != item["bytes"]:
+        return False
+    return not thorough or _digest(path) == item["sha256"]
 
 
 def _place(folder: Path, place: Place) -> dict[str, Any]:
@@ -150,10 +246,13 @@ def _map(folder: Path, place: Place, report: CoverageReport, path: Path) -> dict
 
 
 def _file(folder: Path, path: Path) -> dict[str, Any]:
-    with path.open("rb") as stream:
-        digest = hashlib.file_digest(stream, "sha256").hexdigest()
     name = path.relative_to(folder).as_posix()
-    return {"file": name, "bytes": path.stat().st_size, "sha256": digest}
+    return {"file": name, "bytes": path.stat().st_size, "sha256": _digest(path)}
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _sums(
@@ -194,6 +293,7 @@ def _sha256(data: bytes) -> str:
 
 def _card(figures: Mapping[str, Any]) -> str:
     """The dataset card, Markdown."""
+    used = {name: sums for name, sums in figures["splits"].items() if sums["places_wanted"]}
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("roomseg", "templates"),
         undefined=jinja2.StrictUndefined,
@@ -203,5 +303,5 @@ def _card(figures: Mapping[str, Any]) -> str:
         autoescape=False,
     )
     return environment.get_template("dataset_card.md").render(
-        d=figures, parts=[*figures["splits"].values(), figures["total"]]
+        d=figures, parts={**used, "all": figures["total"]}, picture=OVERVIEW
     )

@@ -33,19 +33,22 @@ from roomseg.figures.plans import (
     draw_obstacle_map,
     draw_outlines,
 )
-from roomseg.figures.sheet import plan_sheet
+from roomseg.figures.sheet import Chart, SheetPlace, dataset_sheet
 from roomseg.figures.style import figure_bytes, finish_plan, new_figure, png_bytes, scale_bar
 
 __all__ = [
+    "Chart",
     "HomePlan",
     "Plan",
     "PlanDoor",
     "PlanRoom",
     "PlanWindow",
     "RocCurve",
+    "SheetPlace",
     "Symbol",
     "add_map_legend",
     "contact_sheet_figure",
+    "dataset_sheet",
     "draw_borders",
     "draw_camera_image",
     "draw_cleaning_run",
@@ -68,7 +71,6 @@ __all__ = [
     "home_plan_figure",
     "match_rooms",
     "new_figure",
-    "plan_sheet",
     "png_bytes",
     "scale_bar",
     "wrong_nodes",

@@ -57,6 +57,7 @@ def test_a_dataset_and_its_figures(folder, capsys):
     made = contents("homes")
     maps = ["test/other-run1.h5", "train/two-run1.h5", "train/two-run2.h5"]
     others = ["README.md", "apartments/other.json", "apartments/two.json", "manifest.json"]
+    others.append("overview.png")
     assert sorted(made) == sorted([*others, "recipe.toml", *maps])
     assert made["recipe.toml"].decode() == RECIPE
     manifest = json.loads(made["manifest.json"])
@@ -83,7 +84,7 @@ def test_a_dataset_and_its_figures(folder, capsys):
     assert len(starts) == 3
     card = made["README.md"].decode()
     assert card.startswith("# Two flats\n\nFor a test.\n")
-    assert f"| nodes | {train['nodes']} | 0 | {test['nodes']} | {total['nodes']} |" in card
+    assert f"| nodes | {train['nodes']} | {test['nodes']} | {total['nodes']} |" in card
     assert "| other | test | other.json | 2 | 5.1 | exterior |" in card
 
 
@@ -188,7 +189,10 @@ def test_generated_and_reference_places(folder, capsys):
 
 def test_inspect_sums_up_and_draws(folder, capsys):
     assert main(["inspect", "."]) == 2
-    assert ".: no manifest.json; expected the folder of a finished" in capsys.readouterr().err
+    assert (
+        ".: is a folder without manifest.json; expected that of a finished"
+        in capsys.readouterr().err
+    )
     assert build() == 0
     capsys.readouterr()
     assert main(["inspect", "homes", "-o", "sheet.png", "--json", "all.json"]) == 0
@@ -202,7 +206,7 @@ def test_inspect_sums_up_and_draws(folder, capsys):
     assert "apartments/two.json" in capsys.readouterr().out
     Path("homes/manifest.json").write_text("{}")
     assert main(["inspect", "homes"]) == 2
-    assert "not the manifest of a dataset" in capsys.readouterr().err
+    assert "manifest.json: format: expected" in capsys.readouterr().err
     assert main(["inspect", "two.json", "-o", "sheet.png"]) == 2
     assert "`roomseg view` draws" in capsys.readouterr().err
 

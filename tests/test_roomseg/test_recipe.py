@@ -34,15 +34,15 @@ def test_the_recipe_of_the_docs():
     assert recipe.sensor == SensorSpec(beams=12)
     assert recipe.preset.name == "quick"
     assert recipe.camera.field_of_view == pytest.approx(np.radians(185.0))
-    assert (recipe.camera.image_size, recipe.camera.disc_centre) == ((320, 320), (160.0, 160.0))
-    wishes = Wishes(rooms=(2, 5), lighting="mixed")
-    homes = [(place.name, place.split, place.runs, place.starts) for place in recipe.places[:20]]
+    assert (recipe.camera.image_size, recipe.camera.disc_centre) == ((232, 232), (116.0, 116.0))
+    wishes = Wishes(rooms=(1, 3), area=(10.0, 25.0), lighting="mixed")
+    homes = [(place.name, place.split, place.runs, place.starts) for place in recipe.places[:5]]
     assert homes == [
-        (apartment_name(seed, wishes), "train" if seed < 16 else "validation", 2, "random")
-        for seed in range(20)
+        (apartment_name(seed, wishes), "train" if seed < 4 else "validation", 2, "random")
+        for seed in range(5)
     ]
-    tested = [(place.name, place.split, place.runs, place.starts) for place in recipe.places[20:]]
-    assert tested == [("sim4", "test", 3, "own"), ("real3", "test", 3, "own")]
+    tested = [(place.name, place.split, place.runs, place.starts) for place in recipe.places[5:]]
+    assert tested == [("demo1", "test", 1, "own"), ("demo2", "test", 1, "own")]
 
 
 def test_the_least_recipe_has_the_defaults_of_the_commands(folder):
@@ -57,7 +57,9 @@ def test_the_least_recipe_has_the_defaults_of_the_commands(folder):
 
 def test_robots_cameras_and_files(folder):
     Path("robots").mkdir()
-    Path("robots/wide.toml").write_text("[robot]\nradius = 0.17\n[sensor]\nbeams = 4\n")
+    Path("robots/wide.toml").write_text(
+        "[robot]\nradius = 0.17\n[sensor]\nbeams = 4\n[camera]\nblur = 0.6\n"
+    )
     write_rooms("two")
     Path("broken.json").write_text("{")
     recipe = read_recipe(
@@ -72,6 +74,12 @@ def test_robots_cameras_and_files(folder):
     assert recipe.created.startswith("2026-01-31")
     # What is wrong with an apartment is told when it is made: the others go on.
     assert [place.name for place in recipe.places] == ["two", "broken"]
+    text = 'preset = "draft"\nhdr = true\nrobot = "robots/wide.toml"\n[[places]]\nsplit = "train"\n'
+    own = read_recipe(write(f"{text}seeds = 1\n"))
+    assert (own.camera.flaws.blur, own.hdr) == (0.6, True)
+    Path("robots/wide.toml").write_text("[camera]\ndisc_centre = [100.3, 100]\n")
+    with pytest.raises(RoomsegError, match=r"line 3: robot: .*robots/wide.toml: camera.disc_cen"):
+        read_recipe(write(f"{text}seeds = 1\n"))
     wide = read_recipe(
         write(
             'preset = "draft"\n[camera]\ndisc_diameter = 450\nimage_size = [512, 640]\n'
