@@ -45,6 +45,8 @@ OF_MAP = (
 )
 """What is told of a map, besides how good the run was."""
 SUMS = ("nodes", "edge_count", "border_edge_count", "images_done", "path_length", "duration")
+MOST_ROWS = 100
+"""Of a table of the card."""
 Made = tuple[Place, CoverageReport, Path]
 
 
@@ -303,5 +305,5 @@ def _card(figures: Mapping[str, Any]) -> str:
         autoescape=False,
     )
     return environment.get_template("dataset_card.md").render(
-        d=figures, parts={**used, "all": figures["total"]}, picture=OVERVIEW
+        d=figures, parts={**used, "all": figures["total"]}, picture=OVERVIEW, most=MOST_ROWS
     )

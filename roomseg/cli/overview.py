@@ -51,6 +51,7 @@ def write_overview(folder: Path, figures: Mapping[str, Any], output: Path) -> No
         If an apartment or a map cannot be read, or the picture cannot be written.
     """
     from dataset.atomic import replacing
+    from roomseg.cli.output import counted
     from roomseg.figures import dataset_sheet, figure_bytes
 
     order = [*figures["splits"]]
@@ -58,8 +59,8 @@ def write_overview(folder: Path, figures: Mapping[str, Any], output: Path) -> No
     places = places[:: -(-len(places) // MOST_PLACES) or 1]
     total = figures["total"]
     title = (
-        f"{figures['name']}: {total['places']} places, {total['maps']} maps, "
-        f"{total['images_done']} images"
+        f"{figures['name']}: {counted(total['places'], 'place')}, "
+        f"{counted(total['maps'], 'map')}, {counted(total['images_done'], 'image')}"
     )
     drawn = [_place(folder, figures, place) for place in places]
     picture = figure_bytes(dataset_sheet(title, drawn, _charts(figures)), output.suffix.lower())

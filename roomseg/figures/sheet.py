@@ -24,9 +24,11 @@ TITLE = 0.35
 STRIP = 0.8
 """Height of the images below it."""
 CHART = 1.7
+IMAGES = 3
+"""At most, of a place."""
 FEWEST = 3
 """Columns of places, so that the charts have room."""
-HUES = ("#0072B2", "#E69F00", "#882255")
+HUES = ("#0072B2", "#D55E00", "#882255")
 """Of the splits."""
 
 
@@ -55,87 +57,101 @@ def dataset_sheet(title: str, places: Sequence[SheetPlace], charts: Sequence[Cha
     ----------
     title : str
     places : sequence of SheetPlace
-        At least one.
+        At least one. The last one has the scale bar.
     charts : sequence of Chart
         At least one; all of the same splits.
     """
-    splits = [*charts[0].values]
-    hues = dict(zip(splits, HUES, strict=False))
+    hues = dict(zip(charts[0].values, HUES, strict=False))
+    half = _half([place.plan for place in places])
     columns = max(FEWEST, math.ceil(math.sqrt(1.3 * len(places))))
     rows = math.ceil(len(places) / columns)
-    strip = STRIP if any(place.images for place in places) else 0.0
-    height = CELL + TITLE + strip
-    figure = new_figure(CELL * columns, CHART + height * rows + TITLE)
+    heights = (CELL * half[1] / half[0], STRIP if any(place.images for place in places) else 0.0)
+    height = (sum(heights) + TITLE) * rows
+    figure = new_figure(CELL * columns, CHART + height + TITLE)
     figure.suptitle(title, fontsize=11, color=INK)
-    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=[CHART, height * rows])[
-        :, 0
-    ]
-    for ax, chart in zip(above.subplots(1, len(charts), squeeze=False)[0], charts, strict=True):
-        _draw_chart(ax, chart, hues)
-    above.axes[0].legend(fontsize=6.5, frameon=False)
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=[CHART, height])[:, 0]
+    _draw_charts(above, charts, hues)
     cells = below.subfigures(rows, columns, squeeze=False)
-    half = _half(places)
     for cell, place in zip(cells.flat, places, strict=False):
-        _draw_place(cell, place, half, strip, hues.get(place.split, INK))
+        plan = _draw_place(cell, place, heights, hues.get(place.split, INK))
+        _frame(plan, place.plan, half)
+    x, y = plan.get_xlim()[0], plan.get_ylim()[0]
+    scale_bar(plan, (x, y), scale_bar_length(2.0 * half[0]), 0.03 * half[0])
     return figure
 
 
-def _half(places: Sequence[SheetPlace]) -> float:
-    """Half of the side of the square that the largest plan needs, m."""
-    bounds = [_bounds(place.plan) for place in places]
-    return 0.54 * max(float(max(x1 - x0, y1 - y0)) for x0, y0, x1, y1 in bounds)
+def _half(plans: Sequence[HomePlan]) -> tuple[float, float]:
+    """Half of width and height, m, of a rectangle that every plan fits into."""
+    bounds = np.array([_bounds(plan) for plan in plans])
+    width, height = (bounds[:, 2:] - bounds[:, :2]).max(axis=0)
+    # Room for the scale bar below.
+    return 0.53 * float(width), 0.58 * float(height)
 
 
 def _bounds(plan: HomePlan) -> Any:
     return shapely.total_bounds([plan.walls, *(room.floor for room in plan.rooms)])
 
 
+def _draw_charts(figure: Any, charts: Sequence[Chart], hues: Mapping[str, str]) -> None:
+    """Histograms in a row; a legend if there are several splits."""
+    axes = figure.subplots(1, len(charts), squeeze=False)[0]
+    for ax, chart in zip(axes, charts, strict=True):
+        _draw_chart(ax, chart, hues)
+    handles, labels = axes[0].get_legend_handles_labels()
+    if len(labels) > 1:
+        figure.legend(
+            handles, labels, loc="outside upper right", ncols=3, fontsize=7, frameon=False
+        )
+
+
 def _draw_chart(ax: Any, chart: Chart, hues: Mapping[str, str]) -> None:
     """A histogram, the splits on top of each other."""
     used = {split: values for split, values in chart.values.items() if len(values)}
-    everything = np.concatenate([*used.values()]) if used else np.zeros(1)
-    whole = bool(np.all(everything == np.round(everything))) and np.ptp(everything) < 20
-    low, high = float(everything.min()), float(everything.max())
-    bins = np.arange(low - 0.5, high + 1.0) if whole else np.linspace(low, high or 1.0, 13)
-    if not whole and low == high:
-        bins = np.array([low - 0.5, high + 0.5])
-    ax.hist(
-        [*used.values()],
-        bins=bins,
-        stacked=True,
-        color=[hues[split] for split in used],
-        label=[*used],
-        rwidth=0.9,
-    )
     ax.set_xlabel(chart.label, fontsize=7, color=INK)
     ax.tick_params(labelsize=6.5, colors=INK)
-    ax.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
     ax.yaxis.set_major_locator(MaxNLocator(4, integer=True))
     ax.spines[["top", "right"]].set_visible(False)
-
-
-def _draw_place(cell: Any, place: SheetPlace, half: float, strip: float, hue: str) -> None:
-    """The plan with its title, the images in a row below."""
-    if not strip:
-        _draw_plan(cell.add_subplot(), place, half, hue)
+    if not used:
         return
-    grid = cell.add_gridspec(2, 3, height_ratios=[CELL, strip])
-    _draw_plan(cell.add_subplot(grid[0, :]), place, half, hue)
-    for column in range(3):
-        ax = cell.add_subplot(grid[1, column])
-        ax.set_axis_off()
-        if column < len(place.images):
-            ax.imshow(place.images[column], cmap="gray", vmin=0, vmax=255)
+    bins, ticks = _bins(np.concatenate([*used.values()]))
+    colours = [hues[split] for split in used]
+    ax.hist([*used.values()], bins=bins, stacked=True, color=colours, label=[*used], rwidth=0.9)
+    if ticks is not None:
+        ax.set_xticks(ticks)
 
 
-def _draw_plan(ax: Any, place: SheetPlace, half: float, hue: str) -> None:
+def _bins(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Bins of a histogram, and where to write numbers if each bin is of one number."""
+    low, high = float(values.min()), float(values.max())
+    if low == high or (high - low < 20 and np.all(values == np.round(values))):
+        return np.arange(low - 0.5, high + 1.0), np.arange(low, high + 0.5, 1 + (high - low) // 8)
+    return np.linspace(low, high, 13), None
+
+
+def _draw_place(cell: Any, place: SheetPlace, heights: tuple[float, float], hue: str) -> Any:
+    """The plan with its title, the images in a row below; returns the plan's axes."""
+    if not heights[1]:
+        plan = cell.add_subplot()
+    else:
+        above, below = cell.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
+        plan = above.add_subplot()
+        # A margin, so that it shows whose images they are.
+        widths = [0.15, *[1.0] * IMAGES, 0.15]
+        grid = below.add_gridspec(1, IMAGES + 2, width_ratios=widths, wspace=0.02)
+        for column, image in enumerate(place.images[:IMAGES], 1):
+            ax = below.add_subplot(grid[0, column])
+            ax.set_axis_off()
+            ax.imshow(image, cmap="gray", vmin=0, vmax=255)
+    draw_home_plan(plan, place.plan)
+    plan.set_title(place.title, fontsize=7, color=hue)
+    return plan
+
+
+def _frame(ax: Any, plan: HomePlan, half: tuple[float, float]) -> None:
+    """Show the plan in the middle of a rectangle."""
+    x0, y0, x1, y1 = _bounds(plan)
+    x, y = (x0 + x1) / 2.0, (y0 + y1) / 2.0
     ax.set_aspect("equal")
     ax.set_axis_off()
-    draw_home_plan(ax, place.plan)
-    x0, y0, x1, y1 = _bounds(place.plan)
-    x, y = (x0 + x1) / 2.0, (y0 + y1) / 2.0
-    ax.set_xlim(x - half, x + half)
-    ax.set_ylim(y - half, y + half)
-    ax.set_title(place.title, fontsize=7, color=hue)
-    length = scale_bar_length(2.0 * half)
-    scale_bar(ax, (x - half, y - half), length, 0.012 * half)
+    ax.set_xlim(x - half[0], x + half[0])
+    ax.set_ylim(y - half[1], y + half[1])

@@ -112,9 +112,29 @@ def test_called_again_it_goes_on_whatever_the_number_of_jobs(folder, capsys, mon
     assert build("--jobs", "2") == 0
     assert contents("homes") == contents("whole")
     assert all(path.stat().st_mtime_ns == then for path, then in before.items())
-    # Nothing is left to do, and the manifest is the same.
+    # Without images it is not complete; the next one looks again and finds all of it.
+    capsys.readouterr()
     assert build() == 0
+    assert "homes: missing: nothing but the manifest\n" in capsys.readouterr().out
     assert contents("homes") == contents("whole")
+
+
+def test_what_is_missing_is_told_and_made(folder, capsys):
+    assert build() == 0
+    before = contents("homes")
+    Path("homes/train/two-run2.h5").unlink()
+    Path("homes/apartments/other.json").unlink()
+    # What killed processes leave.
+    Path("homes/train/.two-run2.h5.123.part").write_bytes(b"half")
+    Path("homes/apartments/.other.json.x1y2").write_bytes(b"{")
+    Path("homes/.hidden").write_bytes(b"not ours")
+    capsys.readouterr()
+    expected = "missing: 1 apartment (apartments/other.json), 1 map (train/two-run2.h5)"
+    assert build("--dry-run") == 0
+    assert expected in capsys.readouterr().out
+    assert build() == 0
+    assert f"homes: {expected}\n" in capsys.readouterr().out
+    assert contents("homes") == before | {".hidden": b"not ours"}
 
 
 def test_a_bad_place_is_listed_and_the_others_go_on(folder, capsys):
@@ -204,6 +224,17 @@ def test_inspect_sums_up_and_draws(folder, capsys):
     Path("homes/apartments/two.json").unlink()
     assert main(["inspect", "homes"]) == 0
     assert "apartments/two.json" in capsys.readouterr().out
+    manifest = json.loads(Path("homes/manifest.json").read_text())
+    for change, fault in [
+        ({"splits": 3}, "splits: expected"),
+        ({"maps": [{**manifest["maps"][0], "bytes": "x"}]}, "maps[0].bytes: expected a whole"),
+        ({"places": [{**manifest["places"][0], "file": "../two.json"}]}, "places[0].file: "),
+        ({"places": [{**manifest["places"][0], "file": "/etc/passwd"}]}, "places[0].file: "),
+    ]:
+        Path("homes/manifest.json").write_text(json.dumps(manifest | change))
+        assert main(["inspect", "homes"]) == 2
+        error = capsys.readouterr().err
+        assert f"homes/manifest.json: {fault}" in error and error.count("\n") == 1
     Path("homes/manifest.json").write_text("{}")
     assert main(["inspect", "homes"]) == 2
     assert "manifest.json: format: expected" in capsys.readouterr().err
@@ -227,8 +258,13 @@ def test_images_are_made_and_kept(folder, capsys):
     assert np.all(means > 20)
     before = contents("homes")
     capsys.readouterr()
+    times = {path: path.stat().st_mtime_ns for path in Path("homes").rglob("*")}
     assert main(["build", "recipe.toml", "-o", "homes"]) == 0
-    assert "new image" not in capsys.readouterr().out
+    assert capsys.readouterr().out == "homes: nothing is missing\n"
+    assert {path: path.stat().st_mtime_ns for path in Path("homes").rglob("*")} == times
+    Path("homes/README.md").unlink()
+    assert main(["build", "recipe.toml", "-o", "homes"]) == 0
+    assert "nothing but the manifest" in capsys.readouterr().out
     assert contents("homes") == before
     Path("recipe.toml").write_text(text.replace('"quick"', '"draft"'))
     assert main(["build", "recipe.toml", "-o", "homes"]) == 2
