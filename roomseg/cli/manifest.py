@@ -200,7 +200,8 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         where = dotted(fault["loc"]) or "content"
-        raise FormatError(f"{path}: {where}: {value_fault(fault)}") from error
+        what = "missing" if fault["type"] == "missing" else value_fault(fault)
+        raise FormatError(f"{path}: {where}: {what}; not the manifest of a dataset") from error
     return dict(figures)
 
 
