@@ -248,6 +248,10 @@ class Work:
 
         assert self.device is not None
         bar.update(bar.task_ids[0], description=path.stem)
+
+        def tell_device(device: str) -> None:
+            tell(bar, f"{path}: rendering on {device}", err=True)
+
         try:
             return render_map(
                 path,
@@ -255,6 +259,7 @@ class Work:
                 threads=self.threads,
                 device=self.device,
                 hdr=self.files.recipe.hdr,
+                on_device=tell_device,
                 on_progress=show,
             )
         except (RoomsegError, SceneError, OSError) as error:
