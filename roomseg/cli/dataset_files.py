@@ -147,7 +147,7 @@ def images_of(path: Path) -> tuple[int, int]:
         return 0, 0
 
 
-def _some(paths: Sequence[Path], folder: Path, most: int = 3) -> str:
-    """The names of the first ones."""
-    names = ", ".join(path.relative_to(folder).as_posix() for path in paths[:most])
-    return names if len(paths) <= most else f"{names}, …"
+def _some(paths: Sequence[Path], folder: Path) -> str:
+    """The names of a few files, or of the first one of many."""
+    names = [path.relative_to(folder).as_posix() for path in paths[:4]]
+    return ", ".join(names) if len(names) < 4 else f"{names[0]}, …"

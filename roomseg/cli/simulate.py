@@ -240,7 +240,8 @@ def clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
     ``before``: how many runs were done before.
     """
     with progress_bar("runs") as bar:
-        title = runs[0].output.parent.name or "maps"
+        folders = {run.output.parent.name for run in runs}
+        title = folders.pop() if len(folders) == 1 else "maps"
         show = follow(bar, title)
         show(before, before + len(runs))
 

@@ -271,3 +271,22 @@ def test_images_are_made_and_kept(folder, capsys):
     Path("recipe.toml").write_text(text.replace('"quick"', '"draft"'))
     assert main(["build", "recipe.toml", "-o", "homes"]) == 2
     assert "preset" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("starts", "start", "line 5: start: unknown key; did you mean 'starts'?"),
+        ("= 12", "= -12", "line 7: camera.disc_diameter: -12.0, expected > 0 px"),
+        ("runs = 2", 'runs = "two"', "line 11: places[0].runs: 'two'; expected a whole number"),
+        ('"other.json"', '"two.json"', "line 12: places[1]: 'two' is in places[0], train, already"),
+        ('files = "other.json"', "seeds = [9, 3]", "line 14: places[1].seeds: 9, 3; expected the"),
+    ],
+)
+def test_a_broken_recipe_is_one_line_and_nothing_is_made(folder, capsys, old, new, expected):
+    Path("recipe.toml").write_text(RECIPE.replace(old, new))
+    assert build() == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith(f"roomseg: error: recipe.toml: {expected}")
+    assert (shown.out, shown.err.count("\n")) == ("", 1)
+    assert not Path("homes").exists()
