@@ -241,7 +241,7 @@ def clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
     """
     with progress_bar("runs") as bar:
         folders = {run.output.parent.name for run in runs}
-        title = folders.pop() if len(folders) == 1 else "maps"
+        title = (folders.pop() if len(folders) == 1 else "") or "maps"
         show = follow(bar, title)
         show(before, before + len(runs))
 
