@@ -79,6 +79,7 @@ def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) 
     rows = [
         (split, *(form.format(sums[name]) if sums["maps"] else "-" for name, form in SUMS))
         for split, sums in (figures["splits"] | {"all": figures["total"]}).items()
+        if sums["places_wanted"]
     ]
     write_table("", ("split", *(name.replace("_", " ") for name, _ in SUMS)), rows)
     if output is not None:
