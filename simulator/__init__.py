@@ -5,7 +5,7 @@ from simulator.laser import SensorSpec
 from simulator.reference_set import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS, ReferenceRun
 from simulator.report import CoverageReport, coverage_report
 from simulator.robot import RobotSpec
-from simulator.spec_file import read_specs, settings_of
+from simulator.spec_file import read_specs, settings_of, specs_of
 from simulator.start import base_pose, random_start
 
 __all__ = [
@@ -22,4 +22,5 @@ __all__ = [
     "read_specs",
     "settings_of",
     "simulate",
+    "specs_of",
 ]

@@ -65,6 +65,8 @@ def camera_of(table: Any) -> FisheyeCamera:
     # Whole pixels, so that the renderer can place the disc.
     row, column = table.get("disc_centre", (rows // 2, columns // 2))
     degrees = table.get("field_of_view_deg")
+    if degrees is not None and not 0 < degrees <= 360:
+        raise FormatError(f"camera.field_of_view_deg: {degrees}, expected 0 < degrees <= 360")
     field_of_view = SIMULATED_CAMERA.field_of_view if degrees is None else math.radians(degrees)
     try:
         return FisheyeCamera(

@@ -18,6 +18,7 @@ from __future__ import annotations
 import difflib
 import sys
 import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, TypeVar
@@ -27,7 +28,7 @@ from dataset.topomap import Settings
 from simulator.laser import SensorSpec
 from simulator.robot import RobotSpec
 
-__all__ = ["read_specs", "read_tables", "settings_of"]
+__all__ = ["read_specs", "read_tables", "settings_of", "specs_of"]
 
 TABLES = ("robot", "sensor", "camera")
 
@@ -44,8 +45,10 @@ def read_specs(path: str | Path) -> tuple[RobotSpec, SensorSpec]:
         setting; one line.
     """
     data = read_tables(path)
-    robot = _spec(RobotSpec, data.get("robot", {}), f"{path}: robot")
-    return robot, _spec(SensorSpec, data.get("sensor", {}), f"{path}: sensor")
+    try:
+        return specs_of(data)
+    except FormatError as error:
+        raise FormatError(f"{path}: {error}") from error
 
 
 def read_tables(path: str | Path) -> dict[str, Any]:
@@ -60,6 +63,18 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         if table not in TABLES:
             raise FormatError(f"{path}: [{table}]: unknown, expected one of {', '.join(TABLES)}")
     return data
+
+
+def specs_of(data: Mapping[str, Any]) -> tuple[RobotSpec, SensorSpec]:
+    """A robot and its sensors from the tables ``robot`` and ``sensor``, if they are there.
+
+    Raises
+    ------
+    FormatError
+        If a setting is unknown or impossible; one line that begins with its name.
+    """
+    robot = _spec(RobotSpec, data.get("robot", {}), "robot")
+    return robot, _spec(SensorSpec, data.get("sensor", {}), "sensor")
 
 
 def settings_of(spec: RobotSpec | SensorSpec) -> Settings:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from roomseg.cli.options import FiniteRange, OutputFile, jobs_option, seed_option
-from roomseg.cli.output import counted
+from roomseg.cli.output import counted, follow, progress_bar, tell
 
 if TYPE_CHECKING:
     from scenes.generator import Wishes
@@ -149,7 +149,7 @@ def _check_folder(output: Path) -> None:
 
 
 def _generate_many(seeds: range, wishes: Wishes, folder: Path, jobs: int) -> None:
-    """Write what is missing, with a line of progress; tell at the end what did not come out.
+    """Write what is missing; tell what did not come out.
 
     Raises
     ------
@@ -157,23 +157,29 @@ def _generate_many(seeds: range, wishes: Wishes, folder: Path, jobs: int) -> Non
         If no apartment was found for some of the seeds, or one that is there is another one.
     """
     from dataset import RoomsegError
-    from roomseg.cli.output import follow, progress_bar, tell
 
-    todo = [item for item in _items(seeds, wishes, folder) if not _is_there(item[2])]
-    done, failed = len(seeds) - len(todo), []
-    with progress_bar("homes") as bar:
-        show = follow(bar, folder.name)
-        show(done, len(seeds))
-        for problem in _write_all(todo, jobs):
-            done += 1
-            show(done, len(seeds))
-            if problem is not None:
-                failed.append(problem)
-                tell(bar, problem, err=True)
-    if failed:
-        raise RoomsegError(f"{folder}: {len(failed)} of {len(seeds)} could not be made")
+    todo = [item for item in _items(seeds, wishes, folder) if not is_there(item[2])]
     there = len(seeds) - len(todo)
+    if failed := write_homes(todo, jobs, before=there):
+        raise RoomsegError(f"{folder}: {len(failed)} of {len(seeds)} could not be made")
     click.echo(f"{folder}: {len(seeds)} apartments, {there} of them there before")
+
+
+def write_homes(items: Sequence[Item], jobs: int, before: int) -> list[str]:
+    """Generate apartments, with a line of progress; tell and return what did not come out.
+
+    ``before``: how many were done before.
+    """
+    problems = []
+    with progress_bar("homes") as bar:
+        show = follow(bar, items[0][2].parent.name if items else "homes")
+        show(before, before + len(items))
+        for done, problem in enumerate(_write_all(items, jobs), before + 1):
+            show(done, before + len(items))
+            if problem is not None:
+                problems.append(problem)
+                tell(bar, problem, err=True)
+    return problems
 
 
 Item = tuple[int, "Wishes", Path]
@@ -186,7 +192,7 @@ def _items(seeds: range, wishes: Wishes, folder: Path) -> Iterator[Item]:
         yield seed, wishes, folder / f"{apartment_name(seed, wishes)}.json"
 
 
-def _is_there(path: Path) -> bool:
+def is_there(path: Path) -> bool:
     """Whether the apartment of that name, which has seed and wishes in it, is there.
 
     Raises
@@ -208,7 +214,7 @@ def _is_there(path: Path) -> bool:
     return True
 
 
-def _write_all(items: list[Item], jobs: int) -> Iterator[str | None]:
+def _write_all(items: Sequence[Item], jobs: int) -> Iterator[str | None]:
     """Write apartments in this process or in several; yield a problem or None for each."""
     if jobs == 1 or len(items) < 2:
         yield from map(_write, items)

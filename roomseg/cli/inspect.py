@@ -1,14 +1,14 @@
-"""``roomseg inspect``: what is in a map or an apartment."""
+"""``roomseg inspect``: what is in a map, an apartment or a dataset."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from roomseg.cli.options import json_option
+from roomseg.cli.options import OutputFile, json_option
 from roomseg.cli.output import counted, write_json, write_table
 from roomseg.cli.sources import is_apartment
 
@@ -17,19 +17,49 @@ if TYPE_CHECKING:
     from dataset.topomap import Settings
     from scenes.summary import ApartmentSummary
 
+SUMS = (
+    ("places", "{}"),
+    ("rooms", "{}"),
+    ("floor_area", "{:.0f} m²"),
+    ("maps", "{}"),
+    ("nodes", "{}"),
+    ("edge_count", "{}"),
+    ("border_edge_count", "{}"),
+    ("images_done", "{}"),
+    ("path_length", "{:.0f} m"),
+    ("mean_coverage", "{:.2%}"),
+    ("largest_drift", "{:.2f} m"),
+)
+"""What is shown of each split, and how."""
+
 EXAMPLE = """\b
 Example:
   roomseg inspect maps/sim4-run1.h5
   roomseg inspect maps/sim4-run1.h5 --json sim4-run1.json
   roomseg inspect home7.json
+  roomseg inspect homes -o sheet.png
 """
 
 
 @click.command("inspect", epilog=EXAMPLE)
-@click.argument("source", metavar="MAP|APARTMENT", type=click.Path(path_type=Path))
+@click.argument("source", metavar="MAP|APARTMENT|DATASET", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=OutputFile(".png", ".svg", ".pdf"),
+    help="Of a dataset: also draw plans, images and figures on one sheet.",
+)
 @json_option
-def command(*, source: Path, json_file: Path | None) -> None:
-    """Show what is in a map file, or in an apartment (a file or a reference place)."""
+def command(*, source: Path, output: Path | None, json_file: Path | None) -> None:
+    """Show what is in a map file, an apartment (a file or a reference place), or a dataset.
+
+    A dataset is the folder of `roomseg build`.
+    """
+    if source.is_dir():
+        _inspect_dataset(source, output, json_file)
+        return
+    if output is not None:
+        raise click.UsageError("-o: draws a dataset; `roomseg view` draws a map or an apartment")
     if is_apartment(source):
         _inspect_apartment(source, json_file)
     else:
@@ -38,6 +68,44 @@ def command(*, source: Path, json_file: Path | None) -> None:
         summary = summarise(source)
         write_json(json_file, asdict(summary))
         _echo(_lines(summary))
+
+
+def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) -> None:
+    from roomseg.cli.manifest import read_manifest
+
+    figures = read_manifest(folder)
+    write_json(json_file, figures)
+    _echo(_dataset_lines(folder, figures))
+    rows = [
+        (split, *(form.format(sums[name]) if sums["maps"] else "-" for name, form in SUMS))
+        for split, sums in (figures["splits"] | {"all": figures["total"]}).items()
+        if sums["places_wanted"]
+    ]
+    write_table("", ("split", *(name.replace("_", " ") for name, _ in SUMS)), rows)
+    if output is not None:
+        from roomseg.cli.overview import write_overview
+
+        write_overview(folder, figures, output)
+        click.echo(str(output))
+
+
+def _dataset_lines(folder: Path, figures: dict[str, Any]) -> list[tuple[str, str]]:
+    from roomseg.cli.manifest import changed_files
+
+    d, total = figures, figures["total"]
+    wrong = changed_files(folder, figures)
+    more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+    files = f"{wrong[0]}{more}: missing or changed" if wrong else "all there"
+    return [
+        ("dataset", d["name"]),
+        *([("about", " ".join(d["description"].split()))] if d["description"] else []),
+        ("made", f"seed {d['seed']}, preset {d['preset']}, roomseg {d['libraries']['roomseg']}"),
+        ("places", f"{total['places']} of {total['places_wanted']}"),
+        ("maps", f"{total['maps']} of {total['maps_wanted']}, {total['bytes'] / 1e6:.1f} MB"),
+        ("images", f"{total['images_done']} of {total['nodes']}"),
+        ("files", files),
+        *(("problem", problem) for problem in d["problems"]),
+    ]
 
 
 def _echo(lines: list[tuple[str, str]]) -> None:

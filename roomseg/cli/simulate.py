@@ -113,11 +113,11 @@ def command(
         wanted = _reference_runs(output, created)
     else:
         usual = Run("", "", 0, created, output, robot, sensor, camera, begin)
-        wanted = [*_runs_in(sources, usual, runs, seed)]
+        wanted = [*runs_in(sources, usual, runs, seed)]
     there = {run.output for run in wanted if not force and run.output.exists()}
     outcomes = [*_recognise([r for r in wanted if r.output in there], judged=json_file is not None)]
     todo = [run for run in wanted if run.output not in there]
-    outcomes += _clean(todo, jobs, before=len(there)) if todo else ()
+    outcomes += clean(todo, jobs, before=len(there)) if todo else ()
     reports = {o.output: o.report for o in outcomes if o.report is not None}
     figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
     write_json(json_file, {"seed": seed, "maps": figures})
@@ -125,7 +125,7 @@ def command(
     if len(apartments) > 1:
         made = sum(outcome.problem is None for outcome in outcomes)
         click.echo(f"{output}: {counted(made, 'map')}, {len(there)} of them there before")
-    _tell(problems)
+    tell_all(problems)
 
 
 def _start(
@@ -191,7 +191,7 @@ def _by_name(apartments: Sequence[str]) -> tuple[dict[str, str], list[str]]:
     return sources, problems
 
 
-def _runs_in(sources: Mapping[str, str], usual: Run, count: int, seed: int) -> Iterator[Run]:
+def runs_in(sources: Mapping[str, str], usual: Run, count: int, seed: int) -> Iterator[Run]:
     """So many runs in each apartment, otherwise as ``usual``, whose output is the folder."""
     for place, source in sources.items():
         for number in range(1, count + 1):
@@ -234,13 +234,14 @@ def _recognise(runs: Sequence[Run], *, judged: bool) -> Iterator[Outcome]:
         yield outcome
 
 
-def _clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
+def clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
     """Simulate, with a line of progress, and a line of figures for each run.
 
     ``before``: how many runs were done before.
     """
     with progress_bar("runs") as bar:
-        title = runs[0].output.parent.name or "maps"
+        folders = {run.output.parent.name for run in runs}
+        title = (folders.pop() if len(folders) == 1 else "") or "maps"
         show = follow(bar, title)
         show(before, before + len(runs))
 
@@ -280,7 +281,7 @@ def _line(report: CoverageReport) -> str:
     )
 
 
-def _tell(problems: Sequence[str]) -> None:
+def tell_all(problems: Sequence[str]) -> None:
     """List what failed, each cause once.
 
     Raises

@@ -33,18 +33,22 @@ from roomseg.figures.plans import (
     draw_obstacle_map,
     draw_outlines,
 )
+from roomseg.figures.sheet import Chart, SheetPlace, dataset_sheet
 from roomseg.figures.style import figure_bytes, finish_plan, new_figure, png_bytes, scale_bar
 
 __all__ = [
+    "Chart",
     "HomePlan",
     "Plan",
     "PlanDoor",
     "PlanRoom",
     "PlanWindow",
     "RocCurve",
+    "SheetPlace",
     "Symbol",
     "add_map_legend",
     "contact_sheet_figure",
+    "dataset_sheet",
     "draw_borders",
     "draw_camera_image",
     "draw_cleaning_run",

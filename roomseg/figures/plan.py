@@ -40,6 +40,7 @@ __all__ = [
     "PlanRoom",
     "PlanWindow",
     "Symbol",
+    "draw_home_plan",
     "home_plan_figure",
     "plan_scale",
 ]
@@ -169,9 +170,7 @@ def home_plan_figure(plan: HomePlan) -> Figure:
     ax.set_axis_off()
     ax.set_xlim(x0 - margin, x1 + margin)
     ax.set_ylim(y0 - margin - strip, y1 + margin)
-    _draw_rooms(ax, plan)
-    _draw_furniture(ax, plan.symbols)
-    _draw_building(ax, plan)
+    draw_home_plan(ax, plan)
     _draw_lamps(ax, plan.lamps)
     _draw_start(ax, plan.start)
     _label_rooms(ax, plan, 1.0 / scale / INCH)
@@ -179,6 +178,13 @@ def home_plan_figure(plan: HomePlan) -> Figure:
     _draw_legend(ax, plan)
     ax.set_title(plan.name, fontsize=11, color=INK)
     return figure
+
+
+def draw_home_plan(ax: Any, plan: HomePlan) -> None:
+    """Draw rooms, furniture and building into axes whose unit is 1 m, without words."""
+    _draw_rooms(ax, plan)
+    _draw_furniture(ax, plan.symbols)
+    _draw_building(ax, plan)
 
 
 def _area(ax: Any, region: Any, gid: str, **style: Any) -> None:

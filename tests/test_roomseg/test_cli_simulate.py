@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cleaned_flat import cleaned_flat
+from small_flats import write_rooms
 
 import roomseg.cli.runs
 from dataset import read_map, write_map
@@ -38,29 +39,6 @@ def succeed(*arguments: str) -> None:
 def errors(shown: str) -> list[str]:
     """The lines on what went wrong, without those on the progress."""
     return [line for line in shown.splitlines() if line.startswith("roomseg:")]
-
-
-def two_rooms(name: str = "two", **others: object) -> dict[str, object]:
-    """Two bare rooms of 1.6 m x 1.6 m, a doorway between them."""
-    corners = [(-0.06, -0.06), (3.38, -0.06), (3.38, 1.66), (-0.06, 1.66), (-0.06, -0.06)]
-    walls = [{"start": a, "end": b} for a, b in itertools.pairwise(corners)]
-    walls.append({"start": (1.66, -0.06), "end": (1.66, 1.66)})
-    return {
-        "name": name,
-        "rooms": [
-            {"name": "a", "polygon": [[0, 0], [1.6, 0], [1.6, 1.6], [0, 1.6]]},
-            {"name": "b", "polygon": [[1.72, 0], [3.32, 0], [3.32, 1.6], [1.72, 1.6]]},
-        ],
-        "walls": walls,
-        "passages": [{"position": [1.66, 0.8]}],
-        "start": {"position": [0.5, 0.5]},
-    } | others
-
-
-def write_rooms(name: str = "two", **others: object) -> str:
-    """A file of two rooms; its name."""
-    Path(f"{name}.json").write_text(json.dumps(two_rooms(name, **others)))
-    return f"{name}.json"
 
 
 def test_seeds_of_runs_differ_and_do_not_depend_on_their_number():
