@@ -15,10 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dataset.errors import FormatError
-from dataset.topomap import TopoMap
 from roomseg.classifier import BorderModel, ClassifierParameters, train
-from roomseg.features import EdgeFeatures
-from roomseg.ground_truth import known_truth
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import (
     BorderQuality,
     SegmentationQuality,
@@ -36,7 +34,6 @@ from roomseg.spectral import laplacian_eigenvalues
 
 __all__ = [
     "Evaluation",
-    "LabelledMap",
     "MapResult",
     "evaluate_room_count",
     "judge",
@@ -45,44 +42,6 @@ __all__ = [
     "segment_map",
     "train_on",
 ]
-
-
-@dataclass(frozen=True)
-class LabelledMap:
-    """A map with its room labels and the features of its edges.
-
-    Raises
-    ------
-    FormatError
-        If the map's nodes have no room labels.
-    """
-
-    topomap: TopoMap
-    features: EdgeFeatures
-
-    def __post_init__(self) -> None:
-        if known_truth(self.topomap).room is None:
-            raise FormatError(
-                f"{self.topomap.environment}/{self.topomap.run}: no ground_truth/room, "
-                "expected room labels; label the map first"
-            )
-
-    @property
-    def is_border(self) -> NDArray[np.bool_]:
-        """True border edges among the kept ones, shape (e',)."""
-        return known_truth(self.topomap).edge_is_border[self.features.graph.kept]
-
-    @property
-    def room(self) -> NDArray[np.int32]:
-        """Ground-truth room of each node, shape (n,)."""
-        room = known_truth(self.topomap).room
-        assert room is not None  # __post_init__ has checked
-        return room
-
-    @property
-    def room_count(self) -> int:
-        """Number of rooms that the operator gave."""
-        return known_truth(self.topomap).room_count
 
 
 @dataclass(frozen=True)
@@ -149,10 +108,9 @@ class Evaluation:
         return float(np.median(self.impurity))
 
 
-def map_rng(seed: int, topomap: TopoMap) -> np.random.Generator:
+def map_rng(seed: int, item: LabelledMap) -> np.random.Generator:
     """Make a generator of the map's own, whatever other maps there are."""
-    name = f"{topomap.environment}/{topomap.run}".encode()
-    return np.random.default_rng([seed, zlib.crc32(name)])
+    return np.random.default_rng([seed, zlib.crc32(item.name.encode())])
 
 
 def train_on(
@@ -171,7 +129,7 @@ def train_on(
     """
     if not maps:
         raise FormatError("maps: none to train on, expected at least 1")
-    maps = sorted(maps, key=lambda item: (item.topomap.environment, item.topomap.run))
+    maps = sorted(maps, key=lambda item: (item.environment, item.run))
     names = maps[0].features.names
     values = [item.features.subset(names).values for item in maps]
     is_border = [item.is_border for item in maps]
@@ -183,7 +141,7 @@ def segment_map(item: LabelledMap, model: BorderModel | None, seed: int = 0) -> 
     graph = item.features.graph
     predicted = None if model is None else model.predict(item.features)
     rho = 1.0 if model is None else model.parameters.rho
-    return segment(graph, predicted, item.room_count, map_rng(seed, item.topomap), rho)
+    return segment(graph, predicted, item.room_count, map_rng(seed, item), rho)
 
 
 def leave_one_environment_out(
@@ -216,7 +174,7 @@ def leave_one_environment_out(
     parameters = parameters or ClassifierParameters()
     results: dict[int, MapResult] = {}
     for environment, test in _folds(maps):
-        model = train_on([m for m in maps if m.topomap.environment != environment], parameters)
+        model = train_on([m for m in maps if m.environment != environment], parameters)
         for index in test:
             results[index] = judge(maps[index], model, seed)
             if progress is not None:
@@ -227,14 +185,14 @@ def leave_one_environment_out(
 
 def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
     """Each environment's name and the indices of its maps."""
-    environments = sorted({item.topomap.environment for item in maps})
+    environments = sorted({item.environment for item in maps})
     if len(environments) < 2:
         raise FormatError(
             f"maps: {len(environments)} environments ({', '.join(environments)}), "
             "expected at least 2 to leave one out"
         )
     return [
-        (name, [i for i, item in enumerate(maps) if item.topomap.environment == name])
+        (name, [i for i, item in enumerate(maps) if item.environment == name])
         for name in environments
     ]
 
@@ -244,8 +202,8 @@ def judge(item: LabelledMap, model: BorderModel, seed: int = 0) -> MapResult:
     labels, uniform = segment_map(item, model, seed), segment_map(item, None, seed)
     predicted = model.predict(item.features)
     return MapResult(
-        item.topomap.environment,
-        item.topomap.run,
+        item.environment,
+        item.run,
         predicted,
         labels,
         uniform,
@@ -287,9 +245,9 @@ def evaluate_room_count(
     """
     by_nodes, by_gap = np.zeros(len(maps), int), np.zeros(len(maps), int)
     rooms = [item.room_count for item in maps]
-    counts = [len(item.topomap.nodes) for item in maps]
+    counts = [item.features.graph.node_count for item in maps]
     for environment, test in _folds(maps):
-        known = [i for i, item in enumerate(maps) if item.topomap.environment != environment]
+        known = [i for i, item in enumerate(maps) if item.environment != environment]
         model = train_on([maps[i] for i in known], parameters)
         spectra = [_eigenvalues(item, model, most_rooms) for item in maps]
         regression = NodeCountRegression.fit([counts[i] for i in known], [rooms[i] for i in known])

@@ -15,8 +15,8 @@ from roomseg.cli.output import follow, progress_bar
 if TYPE_CHECKING:
     from dataset import MapFile
     from roomseg.classifier import ClassifierParameters
-    from roomseg.evaluation import LabelledMap
     from roomseg.features import EdgeFeatures
+    from roomseg.labelled_map import LabelledMap
 
 __all__ = ["chosen_parameters", "classifier_options", "compute", "labelled_maps", "subset_option"]
 
@@ -76,8 +76,8 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         the features need, or lacks its ground truth.
     """
     from dataset import MapFile
-    from roomseg.evaluation import LabelledMap
     from roomseg.features import SUBSETS
+    from roomseg.labelled_map import LabelledMap
 
     for path in paths:
         check_ready(path, SUBSETS[subset])
@@ -87,7 +87,7 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         for path in paths:
             with MapFile(path) as file:
                 features = compute(file, SUBSETS[subset], bar)
-                maps.append(LabelledMap(file.topomap, features))
+                maps.append(LabelledMap.of(file.topomap, features))
     return maps
 
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roomseg.evaluation import LabelledMap
 from roomseg.figures import RocCurve
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import FeatureQuality, feature_quality, length_statistics, width_statistics
 from roomseg.report.contents import Comparison, Measure
 

@@ -17,8 +17,9 @@ from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, re
 from roomseg.classifier import load_model
 from roomseg.cli.main import main
 from roomseg.cli.simulate import _reference_runs
-from roomseg.evaluation import LabelledMap, train_on
+from roomseg.evaluation import train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
+from roomseg.labelled_map import LabelledMap
 
 CAMERA = FisheyeCamera().resized(116)
 
@@ -99,7 +100,7 @@ def test_training_gives_the_same_bytes_in_another_process(folder):
     command = [sys.executable, "-m", "roomseg.cli", *arguments, "b.skops"]
     subprocess.run(command, check=True, capture_output=True)
     assert Path("a.skops").read_bytes() == Path("b.skops").read_bytes()
-    plain = train_on([LabelledMap(read_map("north.h5"), features_without_images("north.h5"))])
+    plain = train_on([LabelledMap.of(read_map("north.h5"), features_without_images("north.h5"))])
     loaded = load_model("a.skops")
     features = features_without_images("south.h5")
     np.testing.assert_array_equal(loaded.predict(features), plain.predict(features))
