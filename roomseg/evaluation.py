@@ -35,10 +35,12 @@ from roomseg.spectral import laplacian_eigenvalues
 __all__ = [
     "Evaluation",
     "MapResult",
+    "estimate_room_counts",
     "evaluate_room_count",
     "judge",
     "leave_one_environment_out",
     "map_rng",
+    "result_of",
     "segment_map",
     "train_on",
 ]
@@ -200,7 +202,16 @@ def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
 def judge(item: LabelledMap, model: BorderModel, seed: int = 0) -> MapResult:
     """Segment one map with and without the model, and compare with its ground truth."""
     labels, uniform = segment_map(item, model, seed), segment_map(item, None, seed)
-    predicted = model.predict(item.features)
+    return result_of(item, model.predict(item.features), labels, uniform)
+
+
+def result_of(
+    item: LabelledMap,
+    predicted: NDArray[np.bool_],
+    labels: NDArray[np.int32],
+    uniform: NDArray[np.int32],
+) -> MapResult:
+    """Compare what was found, see `MapResult`, with a map's ground truth."""
     return MapResult(
         item.environment,
         item.run,
@@ -243,7 +254,22 @@ def evaluate_room_count(
         If the maps come from fewer than two environments, or one has more
         rooms than ``most_rooms``.
     """
-    by_nodes, by_gap = np.zeros(len(maps), int), np.zeros(len(maps), int)
+    rooms = [item.room_count for item in maps]
+    by_nodes, by_gap = estimate_room_counts(maps, parameters, most_rooms=most_rooms)
+    return (
+        room_count_quality(by_nodes.tolist(), rooms),
+        room_count_quality(by_gap.tolist(), rooms),
+    )
+
+
+def estimate_room_counts(
+    maps: Sequence[LabelledMap],
+    parameters: ClassifierParameters | None = None,
+    *,
+    most_rooms: int = 20,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Room counts of which `evaluate_room_count` tells the quality, each of shape (maps,)."""
+    by_nodes, by_gap = np.zeros(len(maps), np.int64), np.zeros(len(maps), np.int64)
     rooms = [item.room_count for item in maps]
     counts = [item.features.graph.node_count for item in maps]
     for environment, test in _folds(maps):
@@ -254,10 +280,7 @@ def evaluate_room_count(
         gap = EigenvalueGap.fit([spectra[i] for i in known], [rooms[i] for i in known])
         for i in test:
             by_nodes[i], by_gap[i] = regression.predict(counts[i]), gap.predict(spectra[i])
-    return (
-        room_count_quality(by_nodes.tolist(), rooms),
-        room_count_quality(by_gap.tolist(), rooms),
-    )
+    return by_nodes, by_gap
 
 
 def _eigenvalues(item: LabelledMap, model: BorderModel, most_rooms: int) -> NDArray[np.float64]:

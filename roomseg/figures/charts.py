@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from roomseg.figures.plans import draw_circles
@@ -15,8 +16,10 @@ from roomseg.figures.style import EDGE_RED, INK, OBSTACLE_BLUE, TRAVEL_GREY, fin
 
 __all__ = [
     "RocCurve",
+    "draw_border_share",
     "draw_impurity_bars",
     "draw_impurity_surface",
+    "draw_lines",
     "draw_passage_width",
     "draw_roc",
     "draw_room_counts",
@@ -249,7 +252,53 @@ def draw_room_counts(
         )
     ax.set_xlabel("map nodes n", fontsize=9)
     ax.set_ylabel("rooms m", fontsize=9)
-    ax.set_xlim(left=0)
-    ax.set_ylim(bottom=0)
+    ax.set_xlim(0, 1.06 * n.max(initial=1))
+    ax.set_ylim(0, 1.08 * m.max(initial=1))
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    _quiet_axes(ax)
+    ax.legend(fontsize=7.5, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def draw_border_share(
+    ax: Any,
+    values: NDArray[np.float64],
+    is_border: NDArray[np.bool_],
+    bins: NDArray[np.float64],
+    *,
+    name: str,
+    mark: float,
+) -> None:
+    """Draw how many edges there are in each bin of a feature, and which share are borders.
+
+    ``mark`` is a threshold, drawn dotted; bins of fewer than 20 edges have no share.
+    """
+    count, _ = np.histogram(values, bins)
+    border, _ = np.histogram(values[is_border], bins)
+    middle, width = (bins[1:] + bins[:-1]) / 2, np.diff(bins)
+    ax.bar(middle, count, 0.92 * width, color="#C9CDD2", gid="edges")
+    ax.set_xlabel(name, fontsize=9)
+    ax.set_ylabel("edges", fontsize=9)
+    _quiet_axes(ax)
+    other = ax.twinx()
+    enough = count >= 20
+    share = 100.0 * border / np.maximum(count, 1)
+    other.plot(middle[enough], share[enough], "-o", color=EDGE_RED, ms=3.5, lw=1.4, gid="share")
+    other.set_ylim(bottom=0)
+    other.set_ylabel("border edges, %", fontsize=9, color=EDGE_RED)
+    other.spines[["top", "left"]].set_visible(False)
+    other.tick_params(labelsize=8, length=2.5, width=0.6, colors=EDGE_RED)
+    ax.axvline(mark, color=INK, ls=":", lw=1.0)
+
+
+def draw_lines(
+    ax: Any, x: Sequence[float], lines: Mapping[str, Sequence[float]], names: tuple[str, str]
+) -> None:
+    """Draw one line with marks for each name; ``names`` are those of the axes."""
+    markers = "os^Dv<>p"
+    for index, (label, values) in enumerate(lines.items()):
+        colour, marker = _SERIES[index % len(_SERIES)], markers[index % len(markers)]
+        ax.plot(x, values, marker=marker, ms=4, lw=1.3, color=colour, label=label, gid="line")
+    ax.set_xlabel(names[0], fontsize=9)
+    ax.set_ylabel(names[1], fontsize=9)
     _quiet_axes(ax)
     ax.legend(fontsize=7.5, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
