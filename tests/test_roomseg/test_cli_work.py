@@ -16,7 +16,7 @@ from cleaned_flat import cleaned_flat, fisheye_image
 from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, read_map, write_map
 from roomseg.classifier import load_model
 from roomseg.cli.main import main
-from roomseg.cli.simulate import _reference_runs
+from roomseg.cli.simulate import reference_runs
 from roomseg.evaluation import train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
 from roomseg.labelled_map import LabelledMap
@@ -210,7 +210,7 @@ def test_the_reference_set_says_all_of_its_runs(folder, capsys):
         assert main(["simulate", "--reference-set", *more, "-o", "maps"]) == 2
         assert "does not go with --reference-set" in capsys.readouterr().err
     assert not Path("maps").exists()
-    runs = _reference_runs(Path("maps"), "1970-01-01T00:00:00Z")
+    runs = reference_runs(Path("maps"), "1970-01-01T00:00:00Z")
     assert len({run.output for run in runs}) == 31 + 5 + 5
     first = next(run for run in runs if run.output.name == "sim5-run1.h5")
     assert first.start == pytest.approx((5.5, 7.7, -np.pi / 2))
