@@ -35,8 +35,10 @@ from roomseg.spectral import laplacian_eigenvalues
 __all__ = [
     "Evaluation",
     "MapResult",
+    "eigenvalues",
     "estimate_room_counts",
     "evaluate_room_count",
+    "folds",
     "judge",
     "leave_one_environment_out",
     "map_rng",
@@ -44,6 +46,10 @@ __all__ = [
     "segment_map",
     "train_on",
 ]
+
+
+MOST_ROOMS = 20
+"""Eigenvalue gaps beyond this one are not looked at."""
 
 
 @dataclass(frozen=True)
@@ -175,8 +181,8 @@ def leave_one_environment_out(
     """
     parameters = parameters or ClassifierParameters()
     results: dict[int, MapResult] = {}
-    for environment, test in _folds(maps):
-        model = train_on([m for m in maps if m.environment != environment], parameters)
+    for known, test in folds(maps):
+        model = train_on([maps[i] for i in known], parameters)
         for index in test:
             results[index] = judge(maps[index], model, seed)
             if progress is not None:
@@ -185,8 +191,14 @@ def leave_one_environment_out(
     return Evaluation(ordered, maps[0].features.names, parameters)
 
 
-def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
-    """Each environment's name and the indices of its maps."""
+def folds(maps: Sequence[LabelledMap]) -> list[tuple[list[int], list[int]]]:
+    """Leave each environment out once: indices of the other maps, and of its own.
+
+    Raises
+    ------
+    FormatError
+        If the maps come from fewer than two environments.
+    """
     environments = sorted({item.environment for item in maps})
     if len(environments) < 2:
         raise FormatError(
@@ -194,7 +206,10 @@ def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
             "expected at least 2 to leave one out"
         )
     return [
-        (name, [i for i, item in enumerate(maps) if item.environment == name])
+        (
+            [i for i, item in enumerate(maps) if item.environment != name],
+            [i for i, item in enumerate(maps) if item.environment == name],
+        )
         for name in environments
     ]
 
@@ -228,7 +243,7 @@ def evaluate_room_count(
     maps: Sequence[LabelledMap],
     parameters: ClassifierParameters | None = None,
     *,
-    most_rooms: int = 20,
+    most_rooms: int = MOST_ROOMS,
 ) -> tuple[RoomCountQuality, RoomCountQuality]:
     """Table 7: node count regression and eigenvalue gap, leaving one environment out.
 
@@ -266,16 +281,15 @@ def estimate_room_counts(
     maps: Sequence[LabelledMap],
     parameters: ClassifierParameters | None = None,
     *,
-    most_rooms: int = 20,
+    most_rooms: int = MOST_ROOMS,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Room counts of which `evaluate_room_count` tells the quality, each of shape (maps,)."""
     by_nodes, by_gap = np.zeros(len(maps), np.int64), np.zeros(len(maps), np.int64)
     rooms = [item.room_count for item in maps]
     counts = [item.features.graph.node_count for item in maps]
-    for environment, test in _folds(maps):
-        known = [i for i, item in enumerate(maps) if item.environment != environment]
+    for known, test in folds(maps):
         model = train_on([maps[i] for i in known], parameters)
-        spectra = [_eigenvalues(item, model, most_rooms) for item in maps]
+        spectra = [eigenvalues(item, model, most_rooms) for item in maps]
         regression = NodeCountRegression.fit([counts[i] for i in known], [rooms[i] for i in known])
         gap = EigenvalueGap.fit([spectra[i] for i in known], [rooms[i] for i in known])
         for i in test:
@@ -283,8 +297,11 @@ def estimate_room_counts(
     return by_nodes, by_gap
 
 
-def _eigenvalues(item: LabelledMap, model: BorderModel, most_rooms: int) -> NDArray[np.float64]:
-    """λ_1 .. λ_{most_rooms + 1} of a map whose edges the model has weighted."""
+def eigenvalues(
+    item: LabelledMap, model: BorderModel | None, most_rooms: int = MOST_ROOMS
+) -> NDArray[np.float64]:
+    """λ_1 .. λ_{most_rooms + 1} of a map weighted by the model; None: uniform weights."""
     graph = item.features.graph
-    weights = edge_weights(graph, model.predict(item.features), model.parameters.rho)
+    predicted = None if model is None else model.predict(item.features)
+    weights = edge_weights(graph, predicted, 1.0 if model is None else model.parameters.rho)
     return laplacian_eigenvalues(affinity_of(graph, weights), most_rooms + 1)

@@ -17,7 +17,7 @@ MISSING = "–"
 
 @dataclass(frozen=True)
 class Cell:
-    """Our number and the paper's, None where there is none.
+    """Our number and the paper's, None (for ours, NaN) where there is none.
 
     ``accepted`` is the range within which we call them alike; ``digits`` are written after
     the point. A ``paper`` number without ours is shown, but not compared.
@@ -27,6 +27,10 @@ class Cell:
     paper: float | None = None
     accepted: tuple[float, float] | None = None
     digits: int = 2
+
+    def __post_init__(self) -> None:
+        if self.ours is not None and math.isnan(self.ours):
+            object.__setattr__(self, "ours", None)
 
     @property
     def agrees(self) -> bool | None:
@@ -62,7 +66,7 @@ class Cell:
 
 
 def _written(value: float | None, digits: int) -> str:
-    if value is None or math.isnan(value):
+    if value is None:
         return MISSING
     return f"{value:.{digits}f}".replace("-", "−")
 
@@ -140,10 +144,7 @@ class Table:
 
 def _csv_cells(cell: Cell) -> list[str]:
     verdict = {None: "", True: "within", False: "outside"}[cell.agrees]
-    numbers = [
-        "" if value is None or math.isnan(value) else f"{value:.10g}"
-        for value in (cell.ours, cell.paper)
-    ]
+    numbers = ["" if value is None else f"{value:.10g}" for value in (cell.ours, cell.paper)]
     return [*numbers, f"{verdict} {cell.band}".strip()]
 
 
