@@ -249,7 +249,7 @@ def test_the_report_has_every_table_figure_and_sentence(reproduction, tmp_path):
             assert f'src="figures/{drawing.name}.png"' in html
             picture = cv2.imread(str(tmp_path / "figures" / f"{drawing.name}.png"))
             assert min(picture.shape[:2]) > 300
-            assert np.ptp(picture) == 255
+            assert np.ptp(picture) > 150
             assert (tmp_path / "figures" / f"{drawing.name}.pdf").read_bytes()[:5] == b"%PDF-"
     assert {"fig11", "fig13", "fig15", "fig22", "fig26", "fig27", "fig28", "fig29"} <= {
         drawing.name for section in reproduction.sections for drawing in section.drawings
