@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,19 +78,28 @@ def search(
 ) -> Search:
     """Judge every combination of a grid on the reference maps; what is known is not redone.
 
-    Combinations that share C, γ and w are kept together, so that a stopped search goes on
-    where it was.
+    Combinations that share γ and w are kept together, so that a stopped search goes on where
+    it was.
     """
     combinations = grid.combinations()
-    step = len(grid.rho)
-    rows = []
-    for begin in range(0, len(combinations), step):
-        some = combinations[begin : begin + step]
+    at = {parameters: index for index, parameters in enumerate(combinations)}
+    impurity = np.empty((len(combinations), len(maps.reference)))
+    done = 0
+    for part in _parts(grid):
+        some = part.combinations()
         depends = ("search", maps.identity, some, seed)
-        rows.append(cache.get(name, depends, partial(_impurities, maps, some, seed)))
+        rows = cache.get(name, depends, partial(_impurities, maps, some, seed))
+        impurity[[at[parameters] for parameters in some]] = rows["impurity"]
+        done += len(some)
         if progress is not None:
-            progress(begin + len(some), len(combinations))
-    return Search(combinations, np.concatenate([row["impurity"] for row in rows]))
+            progress(done, len(combinations))
+    return Search(combinations, impurity)
+
+
+def _parts(grid: Grid) -> Iterator[Grid]:
+    """What shares its kernel and class weight, the parts that are kept one by one."""
+    for gamma, weight in product(grid.log2_gamma, grid.class_weight):
+        yield replace(grid, log2_gamma=(gamma,), class_weight=(weight,))
 
 
 def _impurities(

@@ -11,7 +11,7 @@ from cleaned_flat import cleaned_flat, fisheye_image
 from made_up_features import map_features
 
 import roomseg.experiments
-from dataset import FisheyeCamera, FrameJournal, MapFile, write_map
+from dataset import FisheyeCamera, FrameJournal, MapFile, read_map, write_map
 from roomseg.cli.main import main
 from roomseg.experiments import Settings
 from roomseg.experiments.grids import Grid
@@ -123,6 +123,47 @@ def test_the_score_sheet_in_json_and_in_tables(folder, capsys):
     assert figures["places"]["north"]["uniform"] == figures["maps"][0]["scores"]["uniform"]
     for heading in ("By place", "All maps", "mean IoU", "room F1", "south, one room"):
         assert heading in printed
+
+
+def test_quick_goes_from_plans_to_the_report(folder, capsys, monkeypatch):
+    """All but the renderer, which takes minutes."""
+    rendered = []
+
+    def fake(path, *, preset, on_progress, **_):
+        camera = preset.camera(read_map(path).camera)
+        images = [fisheye_image(camera, seed) for seed in range(5)]
+        with FrameJournal(path, camera, preset.name) as journal:
+            todo = [n for n in range(len(read_map(path).nodes)) if n not in journal.done]
+            rendered.append((Path(path).name, preset.name, bool(todo)))
+            for node in todo:
+                journal.append(node, images[node % 5], 1.0)
+            journal.pack()
+        return len(todo)
+
+    monkeypatch.setattr("render.render_map", fake)
+    monkeypatch.setattr(roomseg.experiments, "QUICK_SETTINGS", TINY)
+    succeed("reproduce", "--quick", "-o", "out")
+    names = ["demo1-run1.h5", "demo2-run1.h5", "demo3-run1.h5", "demo1-new1.h5"]
+    assert rendered == [(name, "preview", True) for name in names]
+    stored = [item.labelled for item in read_feature_set("out/features.h5")]
+    assert [item.name for item in stored] == [
+        "demo1/new1",
+        "demo1/run1",
+        "demo2/run1",
+        "demo3/run1",
+    ]
+    page = Path("out/report/index.html").read_text()
+    for words in ("Table 1,", "Table 10", "Fig. 11", "Fig. 26", "demo1/new1"):
+        assert words in page
+    before = Path("out/features.h5").read_bytes()
+    capsys.readouterr()
+    succeed("reproduce", "--quick", "-o", "out")
+    assert rendered[4:] == [(name, "preview", False) for name in names]
+    assert capsys.readouterr().out.count("already there") == 4
+    assert Path("out/features.h5").read_bytes() == before
+    with_maps = Path("out/report/tables/table10.csv").read_bytes()
+    succeed("reproduce", "--quick", "--from-features", "out/features.h5", "-o", "other")
+    assert Path("other/report/tables/table10.csv").read_bytes() == with_maps
 
 
 @pytest.mark.slow
