@@ -53,7 +53,7 @@ SINGLE_FEATURES: dict[str, tuple[float, Band, float]] = {
 }
 """Area under the ROC curve, accepted range, Youden's J (Table 3)."""
 
-BEST_PARAMETERS = (-3.0, -3.0, 40.0, 60.0)
+BEST_PARAMETERS: tuple[float, float, float, float] = (-3.0, -3.0, 40.0, 60.0)
 """log₂ C, log₂ γ, w, ρ (Table 6)."""
 
 FULL_SEARCH = (

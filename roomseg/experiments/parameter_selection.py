@@ -113,8 +113,8 @@ class ParameterSelection:
     def drawings(self) -> tuple[Drawing, ...]:
         """Figs. 13 and 14."""
         caption = (
-            "Mean impurity over C and γ, for the ρ nearest to 60; the ring marks the lowest. "
-            "Values above the scale share the darkest colour."
+            "Mean impurity over C and γ, for the ρ nearest to 60; the ring marks the lowest, "
+            "the cross the paper's choice. Values above the scale share the darkest colour."
         )
         full = Drawing("fig13", "Fig. 13: the full search space", caption, self.draw_full)
         if len(self.searches) == 1:
@@ -204,5 +204,7 @@ def _surfaces(
         cube = search.mean.reshape(shape)
         part = cube[:, :, grid.class_weight.index(weight), grid.rho.index(rho)].T
         title = f"({letter}) {name}: w = {weight:g}, ρ = {rho:g}"
-        draw_impurity_surface(ax, grid.log2_c, grid.log2_gamma, part, limit=limit, title=title)
+        other = paper.BEST_PARAMETERS[:2]
+        axes_values = grid.log2_c, grid.log2_gamma
+        draw_impurity_surface(ax, *axes_values, part, limit=limit, other=other, title=title)
     return figure

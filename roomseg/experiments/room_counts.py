@@ -60,7 +60,9 @@ class RoomCounts:
             error = np.subtract(estimated, self.rooms)
             names = np.array(self.environment)
             bad = sorted(set(names[np.abs(error) > 1].tolist()))
-            where = f"off by more than one in {', '.join(bad)}" if bad else "never off by more"
+            where = (
+                f"off by more than one in {', '.join(bad)}" if bad else "never off by more than one"
+            )
             remarks.append(
                 f"{name}: {int((error > 0).sum())} maps with too many rooms, "
                 f"{int((error < 0).sum())} with too few; {where}."

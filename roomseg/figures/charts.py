@@ -194,6 +194,7 @@ def draw_impurity_surface(
     impurity: ArrayLike,
     *,
     limit: float = 0.15,
+    other: tuple[float, float] | None = None,
     title: str | None = None,
 ) -> None:
     """Draw the mean impurity over the search grid of C and gamma (Figs. 13 and 14).
@@ -204,6 +205,8 @@ def draw_impurity_surface(
         Evenly spaced grid values.
     impurity : array, shape (b, a)
         Mean impurity, 0 to 1; values above ``limit`` share the darkest colour.
+    other : tuple of float, optional
+        Somebody else's choice, log2 of C and gamma, marked by a cross.
     """
     c, gamma = np.asarray(log2_c, dtype=float), np.asarray(log2_gamma, dtype=float)
     values = 100.0 * np.asarray(impurity, dtype=float)
@@ -221,6 +224,8 @@ def draw_impurity_surface(
     )
     row, column = np.unravel_index(np.nanargmin(values), values.shape)
     ax.plot(c[column], gamma[row], "o", ms=10, mfc="none", mec=OBSTACLE_BLUE, mew=2, gid="best")
+    if other is not None and c[0] <= other[0] <= c[-1] and gamma[0] <= other[1] <= gamma[-1]:
+        ax.plot(*other, "x", ms=7, mec=INK, mew=1.6, gid="other")
     ax.set_xlabel("log₂ C", fontsize=9)
     ax.set_ylabel("log₂ γ", fontsize=9)
     _quiet_axes(ax)
