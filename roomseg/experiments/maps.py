@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dataset.errors import FormatError
 from roomseg.classifier import ClassifierParameters
 from roomseg.evaluation import MapResult, judge, result_of, train_on
+from roomseg.experiments import paper
 from roomseg.experiments.cache import Cache
 from roomseg.feature_set import MapFeatures
 from roomseg.features import SUBSETS
@@ -57,7 +58,7 @@ class Maps:
             If fewer than two environments are left as the reference.
         """
         parts: dict[str, list[LabelledMap]] = {"reference": [], "new": [], "novel": []}
-        for item in features:
+        for item in sorted(features, key=lambda item: _as_in_table_8(item.labelled)):
             parts[part_of(item.labelled)].append(item.with_passageway(combination))
         places = {item.environment for item in parts["reference"]}
         if len(places) < 2:
@@ -77,6 +78,13 @@ class Maps:
             for maps in (self.reference, self.new, self.novel)
         )
         return Maps(reference, new, novel, f"{self.identity} {names}")
+
+
+def _as_in_table_8(item: LabelledMap) -> tuple[int, str, str]:
+    """Sort by the paper's order of environments, others last."""
+    known = list(paper.ENVIRONMENTS)
+    rank = known.index(item.environment) if item.environment in known else len(known)
+    return rank, item.environment, item.run
 
 
 def part_of(item: LabelledMap) -> str:

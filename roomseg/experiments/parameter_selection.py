@@ -146,7 +146,7 @@ def parameter_cells(
     values: Sequence[float | None] = (None,) * 4 if ours is None else logs(ours)
     digits = (1, 1, 0, 1)
     return tuple(
-        Cell(mine, paper_, digits=count)
+        Cell(mine, paper_, digits=count, expected=True)
         for mine, paper_, count in zip(values, theirs, digits, strict=True)
     )
 

@@ -20,13 +20,15 @@ class Cell:
     """Our number and the paper's, None (for ours, NaN) where there is none.
 
     ``accepted`` is the range within which we call them alike; ``digits`` are written after
-    the point. A ``paper`` number without ours is shown, but not compared.
+    the point. A ``paper`` number without ours is shown, but not compared. A difference that is
+    ``expected`` is no finding.
     """
 
     ours: float | None
     paper: float | None = None
     accepted: tuple[float, float] | None = None
     digits: int = 2
+    expected: bool = False
 
     def __post_init__(self) -> None:
         if self.ours is not None and math.isnan(self.ours):
@@ -41,8 +43,10 @@ class Cell:
 
     @property
     def differs(self) -> bool:
-        """Whether the two are not the same as they are written."""
-        return None not in (self.ours, self.paper) and self.written != self.paper_written
+        """Whether the two are not the same as they are written, and should be."""
+        if self.expected or None in (self.ours, self.paper):
+            return False
+        return self.written != self.paper_written
 
     @property
     def written(self) -> str:
@@ -121,10 +125,15 @@ class Table:
         """One for every cell in which ours and the paper's number differ as written."""
         return tuple(self._sentences()) if self.said else ()
 
-    def _sentences(self) -> Iterator[str]:
+    @property
+    def misses(self) -> tuple[str, ...]:
+        """One for every cell that lies outside of what we accept."""
+        return tuple(self._sentences(misses_only=True))
+
+    def _sentences(self, *, misses_only: bool = False) -> Iterator[str]:
         for row in self.rows:
             for column, cell in zip(self.columns[1:], row.cells, strict=True):
-                if cell.differs or cell.agrees is False:
+                if cell.agrees is False or (cell.differs and not misses_only):
                     name = row.label if len(row.cells) == 1 else f"{row.label}, {column}"
                     yield f"{name}: {_difference(cell)}."
 

@@ -130,6 +130,7 @@ def _rendered(
     verdict = Fact("within what we accept", f"{within} of {len(judged)}")
     return environment.get_template("reproduction.html").render(
         parts=parts,
+        misses=[(table, sentence) for table in tables for sentence in table.misses],
         description=head.description,
         software=head.software,
         headline=[*_headline(reproduction), verdict, *head.facts],

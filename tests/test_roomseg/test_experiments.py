@@ -7,6 +7,7 @@ import io
 import re
 from collections import Counter
 from dataclasses import replace
+from html.parser import HTMLParser
 
 import cv2
 import numpy as np
@@ -77,6 +78,16 @@ def test_no_sentence_where_nothing_differs_as_written():
     table = Table("t", "T", ("", *"abcd"), (Row("x", cells),))
     assert table.sentences == ()
     assert [cell.written for cell in cells] == ["0.71", "–", "0.30", "–"]
+
+
+def test_what_is_outside_is_told_even_where_differences_are_not():
+    cells = (Cell(4.0, 3.13, (-np.inf, 3.13)), Cell(1.0, 2.0), Cell(1.0, 2.0, expected=True))
+    table = Table("t", "T", ("", *"abc"), (Row("x", cells),), said=False)
+    assert table.sentences == ()
+    assert len(table.misses) == 1
+    assert table.misses[0].startswith("x, a: 4.00 here, 3.13 in the paper (0.87 higher); outside")
+    told = replace(table, said=True).sentences
+    assert [sentence[:4] for sentence in told] == ["x, a", "x, b"]
 
 
 def test_a_table_as_csv():
@@ -241,6 +252,7 @@ def test_the_report_has_every_table_figure_and_sentence(reproduction, tmp_path):
     html = page.read_text(encoding="utf-8")
     assert "roomseg &lt;1&gt;" in html
     assert not re.search(r"https?:|@import|url\(", html)
+    assert_nested(html)
     for section in reproduction.sections:
         for table in section.tables:
             assert (tmp_path / "tables" / f"{table.name}.csv").read_text() == table.csv()
@@ -255,6 +267,21 @@ def test_the_report_has_every_table_figure_and_sentence(reproduction, tmp_path):
         drawing.name for section in reproduction.sections for drawing in section.drawings
     }
     assert "Edge length, area under curve: " in html
+
+
+def assert_nested(html: str) -> None:
+    """Every tag that opens is closed in turn."""
+    opened = []
+
+    class Reader(HTMLParser):
+        def handle_starttag(self, tag, _):
+            opened.extend([tag] * (tag not in ("meta", "img", "br")))
+
+        def handle_endtag(self, tag):
+            assert opened.pop() == tag
+
+    Reader().feed(html)
+    assert opened == []
 
 
 def test_an_earlier_reports_files_go(reproduction, tmp_path):
