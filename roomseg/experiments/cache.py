@@ -19,6 +19,9 @@ __all__ = ["Cache"]
 
 Arrays = Mapping[str, NDArray[Any]]
 
+COMPUTATION = 1
+"""Counted up when the same maps and parameters give other results."""
+
 
 @dataclass(frozen=True)
 class Cache:
@@ -44,7 +47,7 @@ class Cache:
         """
         if self.folder is None:
             return make()
-        digest = hashlib.sha256(repr(depends_on).encode()).hexdigest()[:20]
+        digest = hashlib.sha256(repr((COMPUTATION, depends_on)).encode()).hexdigest()[:20]
         path = self.folder / f"{name}-{digest}.npz"
         found = _loaded(path)
         if found is None:

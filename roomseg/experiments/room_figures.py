@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -22,6 +22,8 @@ __all__ = ["FloorPlan", "Judged", "Plans", "errors_said", "room_drawing"]
 
 NEARLY_IDENTICAL = 5.0
 """Largest impurity × 100 of a map that we call nearly identical to the ground truth."""
+STAND_IN = "real"
+"""Environments whose names begin so stand for real ones, and are drawn as those (Fig. 25)."""
 Panel = tuple[str, NDArray[np.int32]]
 
 
@@ -113,10 +115,12 @@ def _draw(item: LabelledMap, panels: Sequence[Panel], plans: Plans) -> Figure:
     sketch = item.sketch
     if sketch is None:
         raise ValueError(f"{item.name}: no sketch, expected one to draw")
-    plan = plans.get(item.environment)
+    nodes, plan = sketch.nodes, plans.get(item.environment)
+    if item.environment.startswith(STAND_IN):
+        nodes = replace(nodes, true_pose=None)
     outlines = None if plan is None else plan.outlines
-    corners = [node_positions(sketch.nodes)]
-    if outlines is not None and sketch.nodes.true_pose is not None:
+    corners = [node_positions(nodes)]
+    if outlines is not None and nodes.true_pose is not None:
         corners += plan_rings(outlines)
     extent = np.ptp(np.vstack(corners), axis=0)
     height = 4.6 * float(np.clip(extent[1] / max(extent[0], 0.1), 0.4, 1.6))
@@ -125,7 +129,7 @@ def _draw(item: LabelledMap, panels: Sequence[Panel], plans: Plans) -> Figure:
     for ax, letter, (title, labels) in zip(axes, "abc", panels, strict=False):
         draw_rooms(
             ax,
-            sketch.nodes,
+            nodes,
             labels,
             truth=item.room,
             points=sketch.obstacles,
