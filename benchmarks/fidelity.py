@@ -35,12 +35,13 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset import MapFile, TopoMap
+from dataset import MapFile, TopoMap, read_map
 from render import preset_named, render_map
 from roomseg.cli.features import labelled_maps
 from roomseg.cli.output import follow, progress_bar, write_table
-from roomseg.evaluation import LabelledMap
 from roomseg.features import FEATURES, edge_features
+from roomseg.ground_truth import known_truth
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import feature_quality
 from roomseg.report import Comparison
 from roomseg.report.fidelity import edge_statistics, feature_statistics
@@ -52,7 +53,7 @@ Statistics = Callable[[Sequence[LabelledMap]], Comparison]
 
 def by_place(maps: Sequence[LabelledMap]) -> list[list[LabelledMap]]:
     """The maps of each place."""
-    return [[item for item in maps if item.topomap.environment == place] for place in MAPS_OF]
+    return [[item for item in maps if item.environment == place] for place in MAPS_OF]
 
 
 def show(comparison: Comparison, column: str, beside: Sequence[str]) -> None:
@@ -83,17 +84,19 @@ def spread(statistics: Statistics, maps: Sequence[LabelledMap]) -> list[str]:
     ]
 
 
-def sampled(item: LabelledMap, within: int, seed: int) -> tuple[TopoMap, NDArray[np.float64]]:
+def sampled(
+    path: Path, item: LabelledMap, within: int, seed: int
+) -> tuple[TopoMap, NDArray[np.float64]]:
     """A map with a sample of its edges, and how many edges of the set each stands for."""
     border = np.flatnonzero(item.is_border)
     others = np.flatnonzero(~item.is_border)
     drawn = np.random.default_rng(seed).permutation(others)[:within]
     chosen = np.sort(np.concatenate([border, drawn]))
-    kept, truth = item.features.graph.kept[chosen], item.topomap.ground_truth
-    assert truth is not None
+    topomap, kept = read_map(path), item.features.graph.kept[chosen]
+    truth = known_truth(topomap)
     topomap = replace(
-        item.topomap,
-        edges=item.topomap.edges[kept],
+        topomap,
+        edges=topomap.edges[kept],
         ground_truth=replace(truth, edge_is_border=truth.edge_is_border[kept]),
     )
     weight = np.where(item.is_border[chosen], 1.0, len(others) / max(1, len(drawn)))
@@ -118,7 +121,7 @@ def render_sample(path: Path, topomap: TopoMap, preset: str) -> LabelledMap:
         render_map(path, preset=preset_named(preset), nodes=nodes, on_progress=show_images)
     with MapFile(path) as file:
         sample = Sample(file, topomap)
-        return LabelledMap(sample.topomap, edge_features(sample))
+        return LabelledMap.of(sample.topomap, edge_features(sample))
 
 
 def intervals(
@@ -162,7 +165,9 @@ def main(*, output: Path, preset: str, no_images: bool, within: int, seed: int, 
     if no_images:
         return
     first = [group[0] for group in by_place(maps)]
-    samples = [sampled(item, within, seed) for item in first]
+    samples = [
+        sampled(output / f"{item.environment}-{item.run}.h5", item, within, seed) for item in first
+    ]
     images = sum(len(np.unique(topomap.edges)) for topomap, _ in samples)
     click.echo(f"{images} images of {len(samples)} maps")
     rendered = [

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dataset.atomic import locked, remove_leftovers
 from dataset.camera import FisheyeCamera
+from dataset.digest import map_digest
 from dataset.errors import FormatError
 from dataset.frames import Frame, Image, Radiance, pack_image, put_images
 from dataset.layout import (
@@ -280,6 +281,11 @@ class MapFile:
         self._require(index)
         with errors_of(self.path):
             return float(array_of(self._file, "images/gain")[index])
+
+    def digest(self) -> str:
+        """SHA-256 of the map and its images; other labels in ``/rooms`` do not change it."""
+        with errors_of(self.path):
+            return map_digest(self._file, self._pixels if self.image_count else None, self.done)
 
     @property
     def rooms(self) -> Rooms | None:

@@ -15,10 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dataset.errors import FormatError
-from dataset.topomap import TopoMap
 from roomseg.classifier import BorderModel, ClassifierParameters, train
-from roomseg.features import EdgeFeatures
-from roomseg.ground_truth import known_truth
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import (
     BorderQuality,
     SegmentationQuality,
@@ -36,53 +34,22 @@ from roomseg.spectral import laplacian_eigenvalues
 
 __all__ = [
     "Evaluation",
-    "LabelledMap",
     "MapResult",
+    "eigenvalues",
+    "estimate_room_counts",
     "evaluate_room_count",
+    "folds",
     "judge",
     "leave_one_environment_out",
     "map_rng",
+    "result_of",
     "segment_map",
     "train_on",
 ]
 
 
-@dataclass(frozen=True)
-class LabelledMap:
-    """A map with its room labels and the features of its edges.
-
-    Raises
-    ------
-    FormatError
-        If the map's nodes have no room labels.
-    """
-
-    topomap: TopoMap
-    features: EdgeFeatures
-
-    def __post_init__(self) -> None:
-        if known_truth(self.topomap).room is None:
-            raise FormatError(
-                f"{self.topomap.environment}/{self.topomap.run}: no ground_truth/room, "
-                "expected room labels; label the map first"
-            )
-
-    @property
-    def is_border(self) -> NDArray[np.bool_]:
-        """True border edges among the kept ones, shape (e',)."""
-        return known_truth(self.topomap).edge_is_border[self.features.graph.kept]
-
-    @property
-    def room(self) -> NDArray[np.int32]:
-        """Ground-truth room of each node, shape (n,)."""
-        room = known_truth(self.topomap).room
-        assert room is not None  # __post_init__ has checked
-        return room
-
-    @property
-    def room_count(self) -> int:
-        """Number of rooms that the operator gave."""
-        return known_truth(self.topomap).room_count
+MOST_ROOMS = 20
+"""Eigenvalue gaps beyond this one are not looked at."""
 
 
 @dataclass(frozen=True)
@@ -149,10 +116,9 @@ class Evaluation:
         return float(np.median(self.impurity))
 
 
-def map_rng(seed: int, topomap: TopoMap) -> np.random.Generator:
+def map_rng(seed: int, item: LabelledMap) -> np.random.Generator:
     """Make a generator of the map's own, whatever other maps there are."""
-    name = f"{topomap.environment}/{topomap.run}".encode()
-    return np.random.default_rng([seed, zlib.crc32(name)])
+    return np.random.default_rng([seed, zlib.crc32(item.name.encode())])
 
 
 def train_on(
@@ -171,7 +137,7 @@ def train_on(
     """
     if not maps:
         raise FormatError("maps: none to train on, expected at least 1")
-    maps = sorted(maps, key=lambda item: (item.topomap.environment, item.topomap.run))
+    maps = sorted(maps, key=lambda item: (item.environment, item.run))
     names = maps[0].features.names
     values = [item.features.subset(names).values for item in maps]
     is_border = [item.is_border for item in maps]
@@ -183,7 +149,7 @@ def segment_map(item: LabelledMap, model: BorderModel | None, seed: int = 0) -> 
     graph = item.features.graph
     predicted = None if model is None else model.predict(item.features)
     rho = 1.0 if model is None else model.parameters.rho
-    return segment(graph, predicted, item.room_count, map_rng(seed, item.topomap), rho)
+    return segment(graph, predicted, item.room_count, map_rng(seed, item), rho)
 
 
 def leave_one_environment_out(
@@ -215,8 +181,8 @@ def leave_one_environment_out(
     """
     parameters = parameters or ClassifierParameters()
     results: dict[int, MapResult] = {}
-    for environment, test in _folds(maps):
-        model = train_on([m for m in maps if m.topomap.environment != environment], parameters)
+    for known, test in folds(maps):
+        model = train_on([maps[i] for i in known], parameters)
         for index in test:
             results[index] = judge(maps[index], model, seed)
             if progress is not None:
@@ -225,16 +191,25 @@ def leave_one_environment_out(
     return Evaluation(ordered, maps[0].features.names, parameters)
 
 
-def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
-    """Each environment's name and the indices of its maps."""
-    environments = sorted({item.topomap.environment for item in maps})
+def folds(maps: Sequence[LabelledMap]) -> list[tuple[list[int], list[int]]]:
+    """Leave each environment out once: indices of the other maps, and of its own.
+
+    Raises
+    ------
+    FormatError
+        If the maps come from fewer than two environments.
+    """
+    environments = sorted({item.environment for item in maps})
     if len(environments) < 2:
         raise FormatError(
             f"maps: {len(environments)} environments ({', '.join(environments)}), "
             "expected at least 2 to leave one out"
         )
     return [
-        (name, [i for i, item in enumerate(maps) if item.topomap.environment == name])
+        (
+            [i for i, item in enumerate(maps) if item.environment != name],
+            [i for i, item in enumerate(maps) if item.environment == name],
+        )
         for name in environments
     ]
 
@@ -242,10 +217,19 @@ def _folds(maps: Sequence[LabelledMap]) -> list[tuple[str, list[int]]]:
 def judge(item: LabelledMap, model: BorderModel, seed: int = 0) -> MapResult:
     """Segment one map with and without the model, and compare with its ground truth."""
     labels, uniform = segment_map(item, model, seed), segment_map(item, None, seed)
-    predicted = model.predict(item.features)
+    return result_of(item, model.predict(item.features), labels, uniform)
+
+
+def result_of(
+    item: LabelledMap,
+    predicted: NDArray[np.bool_],
+    labels: NDArray[np.int32],
+    uniform: NDArray[np.int32],
+) -> MapResult:
+    """Compare what was found, see `MapResult`, with a map's ground truth."""
     return MapResult(
-        item.topomap.environment,
-        item.topomap.run,
+        item.environment,
+        item.run,
         predicted,
         labels,
         uniform,
@@ -259,7 +243,7 @@ def evaluate_room_count(
     maps: Sequence[LabelledMap],
     parameters: ClassifierParameters | None = None,
     *,
-    most_rooms: int = 20,
+    most_rooms: int = MOST_ROOMS,
 ) -> tuple[RoomCountQuality, RoomCountQuality]:
     """Table 7: node count regression and eigenvalue gap, leaving one environment out.
 
@@ -285,25 +269,39 @@ def evaluate_room_count(
         If the maps come from fewer than two environments, or one has more
         rooms than ``most_rooms``.
     """
-    by_nodes, by_gap = np.zeros(len(maps), int), np.zeros(len(maps), int)
     rooms = [item.room_count for item in maps]
-    counts = [len(item.topomap.nodes) for item in maps]
-    for environment, test in _folds(maps):
-        known = [i for i, item in enumerate(maps) if item.topomap.environment != environment]
-        model = train_on([maps[i] for i in known], parameters)
-        spectra = [_eigenvalues(item, model, most_rooms) for item in maps]
-        regression = NodeCountRegression.fit([counts[i] for i in known], [rooms[i] for i in known])
-        gap = EigenvalueGap.fit([spectra[i] for i in known], [rooms[i] for i in known])
-        for i in test:
-            by_nodes[i], by_gap[i] = regression.predict(counts[i]), gap.predict(spectra[i])
+    by_nodes, by_gap = estimate_room_counts(maps, parameters, most_rooms=most_rooms)
     return (
         room_count_quality(by_nodes.tolist(), rooms),
         room_count_quality(by_gap.tolist(), rooms),
     )
 
 
-def _eigenvalues(item: LabelledMap, model: BorderModel, most_rooms: int) -> NDArray[np.float64]:
-    """λ_1 .. λ_{most_rooms + 1} of a map whose edges the model has weighted."""
+def estimate_room_counts(
+    maps: Sequence[LabelledMap],
+    parameters: ClassifierParameters | None = None,
+    *,
+    most_rooms: int = MOST_ROOMS,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Room counts of which `evaluate_room_count` tells the quality, each of shape (maps,)."""
+    by_nodes, by_gap = np.zeros(len(maps), np.int64), np.zeros(len(maps), np.int64)
+    rooms = [item.room_count for item in maps]
+    counts = [item.features.graph.node_count for item in maps]
+    for known, test in folds(maps):
+        model = train_on([maps[i] for i in known], parameters)
+        spectra = [eigenvalues(item, model, most_rooms) for item in maps]
+        regression = NodeCountRegression.fit([counts[i] for i in known], [rooms[i] for i in known])
+        gap = EigenvalueGap.fit([spectra[i] for i in known], [rooms[i] for i in known])
+        for i in test:
+            by_nodes[i], by_gap[i] = regression.predict(counts[i]), gap.predict(spectra[i])
+    return by_nodes, by_gap
+
+
+def eigenvalues(
+    item: LabelledMap, model: BorderModel | None, most_rooms: int = MOST_ROOMS
+) -> NDArray[np.float64]:
+    """λ_1 .. λ_{most_rooms + 1} of a map weighted by the model; None: uniform weights."""
     graph = item.features.graph
-    weights = edge_weights(graph, model.predict(item.features), model.parameters.rho)
+    predicted = None if model is None else model.predict(item.features)
+    weights = edge_weights(graph, predicted, 1.0 if model is None else model.parameters.rho)
     return laplacian_eigenvalues(affinity_of(graph, weights), most_rooms + 1)

@@ -19,9 +19,10 @@ from roomseg.panorama import (
 )
 from roomseg.passage_width import WidthParameters, passageway_widths
 from roomseg.passageway import (
+    TABLE_2,
     LintelParameters,
     LintelSearch,
-    orientation_maxima,
+    orientation_maxima_of_all,
     passageway_feature,
 )
 from roomseg.preprocessing import MapGraph, preprocess
@@ -34,6 +35,7 @@ __all__ = [
     "FeatureParameters",
     "MapImages",
     "edge_features",
+    "features_and_variants",
 ]
 
 FEATURES = ("length", "passageway_width", "passageway", "d_c", "d_s")
@@ -152,39 +154,93 @@ def edge_features(
     if unknown:
         raise FormatError(f"features: {unknown[0]!r}, expected one of {', '.join(FEATURES)}")
     parameters = parameters or FeatureParameters()
+    return _computed(map_file, names, parameters, (), progress)[0]
+
+
+def features_and_variants(
+    map_file: MapImages,
+    variants: Sequence[LintelParameters] = TABLE_2,
+    *,
+    parameters: FeatureParameters | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[EdgeFeatures, NDArray[np.uint16]]:
+    """Compute all five features, and the passageway feature for other parameters as well.
+
+    Each image is read once and its gradients are computed once (§2.2.3, Table 2).
+
+    Parameters
+    ----------
+    map_file : MapImages
+    variants : sequence of v LintelParameters
+        With the search cone and s_max of ``parameters``.
+    parameters : FeatureParameters, optional
+    progress : callable, optional
+        Called with (images read, images in all) after each image.
+
+    Returns
+    -------
+    EdgeFeatures
+        `FEATURES`.
+    array, shape (v, e'), uint16
+        Ẽ of Eq. 8 for each of the variants, pixels.
+
+    Raises
+    ------
+    FormatError
+        If an image is missing or has another size than the camera.
+    """
+    parameters = parameters or FeatureParameters()
+    return _computed(map_file, FEATURES, parameters, tuple(variants), progress)
+
+
+def _computed(
+    map_file: MapImages,
+    names: Sequence[str],
+    parameters: FeatureParameters,
+    variants: Sequence[LintelParameters],
+    progress: Callable[[int, int], None] | None,
+) -> tuple[EdgeFeatures, NDArray[np.uint16]]:
+    """Compute the named features, and the passageway feature of the variants."""
     topomap = map_file.topomap
     graph = preprocess(topomap)
     columns = {"length": graph.length}
+    others = np.zeros((0, len(graph)), np.uint16)
     if "passageway_width" in names:
         columns["passageway_width"] = passageway_widths(topomap, graph.edges, parameters.width)
     if FROM_IMAGES & set(names):
-        used = np.unique(graph.edges)
-        maxima, panoramas = _node_views(map_file, used, parameters, progress)
-        columns["passageway"] = passageway_feature(
-            maxima, topomap.nodes, graph.edges, parameters.lintel
-        )
+        lintels = (parameters.lintel, *variants)
+        views = _node_views(map_file, np.unique(graph.edges), parameters, lintels, progress)
+        maxima, panoramas = views
+        found = [
+            passageway_feature(maxima[lintel.histogram], topomap.nodes, graph.edges, lintel)
+            for lintel in lintels
+        ]
+        columns["passageway"], others = found[0], np.array(found[1:], np.uint16)
         if "d_c" in names:
             columns["d_c"] = compass_distances(panoramas, graph.edges)
         columns["d_s"] = signature_distances(panoramas, graph.edges, parameters.panorama)
     values = np.stack([columns[name] for name in names], axis=1)
-    return EdgeFeatures(graph, values, tuple(names))
+    return EdgeFeatures(graph, values, tuple(names)), others
 
 
 def _node_views(
     map_file: MapImages,
     used: NDArray[np.int64],
     parameters: FeatureParameters,
+    lintels: Sequence[LintelParameters],
     progress: Callable[[int, int], None] | None,
-) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-    """Lintel maxima (n, 2, N_θ) and panoramas (n, height, width): each image is read once.
+) -> tuple[dict[tuple[float, int, int], NDArray[np.int64]], NDArray[np.uint8]]:
+    """Lintel maxima (n, 2, N_θ) by histogram and panoramas (n, height, width).
 
-    Zero for nodes that are not ``used``.
+    Each image is read once. Zero for nodes that are not ``used``.
     """
     camera, n = map_file.topomap.camera, len(map_file.topomap.nodes)
     _check_images_done(map_file, used)
     search = LintelSearch.of(camera, parameters.lintel)
     unfold = Unfolding.of(camera, parameters.panorama)
-    maxima = np.zeros((n, 2, parameters.lintel.orientation_bins), dtype=np.int64)
+    # ε plays no role in the histograms.
+    kinds = {lintel.histogram: lintel for lintel in lintels}
+    maxima = {key: np.zeros((n, 2, key[1]), dtype=np.int64) for key in kinds}
     panoramas = np.zeros((n, parameters.panorama.height, parameters.panorama.width), np.uint8)
     for count, node in enumerate(used.tolist(), 1):
         image = map_file.image(node)
@@ -193,7 +249,9 @@ def _node_views(
                 f"{_where(map_file)}images/pixels: {image.shape} px for node {node}, "
                 f"expected {camera.image_size} as in /camera"
             )
-        maxima[node] = orientation_maxima(image, search, parameters.lintel)
+        found = orientation_maxima_of_all(image, search, list(kinds.values()))
+        for key, of_node in zip(kinds, found, strict=True):
+            maxima[key][node] = of_node
         panoramas[node] = unfold(image)
         if progress is not None:
             progress(count, len(used))

@@ -11,20 +11,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 from sklearn.metrics import adjusted_rand_score, roc_auc_score, roc_curve, v_measure_score
 from sklearn.metrics.cluster import contingency_matrix
 
 __all__ = [
+    "BorderErrors",
     "BorderQuality",
     "FeatureQuality",
     "LengthStatistics",
     "SegmentationQuality",
     "WidthStatistics",
+    "border_errors",
     "border_quality",
     "feature_quality",
     "impurity",
     "length_statistics",
     "purity",
+    "room_overlap",
     "segmentation_quality",
     "width_statistics",
 ]
@@ -69,6 +73,57 @@ def segmentation_quality(labels: Labels, rooms: Labels) -> SegmentationQuality:
         float(adjusted_rand_score(rooms, labels)),
         float(v_measure_score(rooms, labels)),
     )
+
+
+def room_overlap(labels: Labels, rooms: Labels, threshold: float = 0.5) -> tuple[float, float]:
+    """Mean intersection over union, and F1 of the rooms that are found.
+
+    Found and true rooms, both of shape (n,), are paired one to one so that the sum of their
+    intersections over unions is largest (Hungarian method). The mean is over all true rooms,
+    0 for one without a partner; a room is found if its partner has at least ``threshold``.
+    """
+    overlap = contingency_matrix(labels, rooms).astype(np.float64)
+    union = overlap.sum(axis=1)[:, None] + overlap.sum(axis=0)[None] - overlap
+    shared = overlap / union
+    pairs = shared[linear_sum_assignment(shared, maximize=True)]
+    hits = int(np.count_nonzero(pairs >= threshold))
+    return float(pairs.sum() / overlap.shape[1]), 2.0 * hits / sum(overlap.shape)
+
+
+@dataclass(frozen=True)
+class BorderErrors:
+    """Whole room borders, not edges: how many were missed, and how many are where none is."""
+
+    missed: int
+    false: int
+
+
+def border_errors(labels: Labels, rooms: Labels, edges: NDArray[np.int64]) -> BorderErrors:
+    """Count the room borders that a segmentation misses, and those that it makes up (§3.4).
+
+    Two neighbouring true rooms whose nodes mostly lie in the same found room have lost the
+    border between them; two neighbouring found rooms whose nodes mostly lie in the same true
+    room have one too many. A border that is merely shifted is neither.
+
+    Parameters
+    ----------
+    labels, rooms : arrays, shape (n,)
+        Found and true room of each node.
+    edges : array, shape (e', 2)
+        Those which make rooms neighbours.
+    """
+    return BorderErrors(
+        _not_told_apart(rooms, labels, edges), _not_told_apart(labels, rooms, edges)
+    )
+
+
+def _not_told_apart(of: Labels, by: Labels, edges: NDArray[np.int64]) -> int:
+    """Count neighbouring classes of one labelling with the same main class in another."""
+    index = np.unique(of, return_inverse=True)[1]
+    main = contingency_matrix(of, by).argmax(axis=1)
+    pairs = np.unique(np.sort(index.reshape(-1)[edges], axis=1), axis=0)
+    apart = pairs[:, 0] != pairs[:, 1]
+    return int(np.count_nonzero(apart & (main[pairs[:, 0]] == main[pairs[:, 1]])))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 from roomseg.classifier import ClassifierParameters
-from roomseg.evaluation import Evaluation, LabelledMap, leave_one_environment_out
+from roomseg.evaluation import Evaluation, leave_one_environment_out
+from roomseg.labelled_map import LabelledMap
 
 __all__ = ["EXCERPT", "search_parameters"]
 

@@ -36,7 +36,9 @@ What it leaves open, and what we chose:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import cv2
 import numpy as np
@@ -46,12 +48,14 @@ from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
 from dataset.topomap import Nodes
 
 __all__ = [
+    "TABLE_2",
     "LintelParameters",
     "LintelSearch",
     "bin_orientations",
     "edge_pixels",
     "lintel_histograms",
     "orientation_maxima",
+    "orientation_maxima_of_all",
     "passageway_feature",
 ]
 
@@ -83,6 +87,20 @@ class LintelParameters:
     tolerance: float = float(np.radians(60.0))
     search_angle: float = float(2.0 * np.arctan(65.0 / 190.0))
     max_offset: float = 23.0
+
+    @property
+    def histogram(self) -> tuple[float, int, int]:
+        """What the histograms depend on: I_min, N_θ, N_s."""
+        return self.min_intensity, self.orientation_bins, self.offset_bins
+
+
+TABLE_2 = tuple(
+    LintelParameters(intensity, *bins, tolerance=float(np.radians(degrees)))
+    for intensity, bins, degrees in product(
+        (100.0, 200.0, 400.0), ((18, 17), (36, 33)), (50, 55, 60, 65, 70, 80, 90)
+    )
+)
+"""The 42 combinations of Table 2, ε varying fastest."""
 
 
 @dataclass(frozen=True)
@@ -153,17 +171,25 @@ def edge_pixels(
     index : array, shape (p,)
         Which of the search disc's pixels these are, for ``search.pixels[index]``.
     """
+    theta, s, intensity, index = _gradients(image, search)
+    strong = intensity >= min_intensity
+    return theta[strong], s[strong], index[strong]
+
+
+def _gradients(
+    image: NDArray[np.uint8], search: LintelSearch
+) -> tuple[Floats, Floats, Floats, Integers]:
+    """θ, s, I and index of all pixels of the search disc with a gradient, |s| < s_max."""
     window = np.ascontiguousarray(image[search.window])
     g_x = cv2.Scharr(window, cv2.CV_64F, 1, 0)[search.inside]
     g_y = cv2.Scharr(window, cv2.CV_64F, 0, 1)[search.inside]
     sign = np.where((g_y < 0) | ((g_y == 0) & (g_x < 0)), -1.0, 1.0)  # Eq. 1
     v_1, v_2 = sign * g_x, sign * g_y + 0.0  # + 0.0: atan2 of a negative zero would be -π
     intensity = np.hypot(v_1, v_2)
-    strong = np.flatnonzero((intensity >= min_intensity) & (intensity > 0))
-    v_1, v_2, intensity = v_1[strong], v_2[strong], intensity[strong]
-    s = (v_1 * search.column[strong] + v_2 * search.row[strong]) / intensity
-    close = np.abs(s) < search.max_offset
-    return np.arctan2(v_2[close], v_1[close]), s[close], strong[close]
+    # A pixel without a gradient has no offset: 0 / 1, and is dropped.
+    s = (v_1 * search.column + v_2 * search.row) / np.where(intensity > 0, intensity, 1.0)
+    index = np.flatnonzero((intensity > 0) & (np.abs(s) < search.max_offset))
+    return np.arctan2(v_2[index], v_1[index]), s[index], intensity[index], index
 
 
 def lintel_histograms(
@@ -209,10 +235,20 @@ def orientation_maxima(
     array, shape (2, N_θ)
         Pixels; the rows are those of `bin_orientations`.
     """
-    theta, s, _ = edge_pixels(image, search, parameters.min_intensity)
-    histograms = lintel_histograms(theta, s, search.max_offset, parameters)
-    best: Integers = histograms.max(axis=(1, 3))
-    return best
+    return orientation_maxima_of_all(image, search, [parameters])[0]
+
+
+def orientation_maxima_of_all(
+    image: NDArray[np.uint8], search: LintelSearch, variants: Sequence[LintelParameters]
+) -> list[Integers]:
+    """`orientation_maxima` for several parameters; the gradients are computed once."""
+    theta, s, intensity, _ = _gradients(image, search)
+    maxima = []
+    for parameters in variants:
+        strong = intensity >= parameters.min_intensity
+        histograms = lintel_histograms(theta[strong], s[strong], search.max_offset, parameters)
+        maxima.append(histograms.max(axis=(1, 3)))
+    return maxima
 
 
 def passageway_feature(

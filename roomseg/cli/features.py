@@ -1,4 +1,4 @@
-"""Edge features of several maps, with progress, for `train`, `segment` and `evaluate`."""
+"""``roomseg features``, and edge features of several maps for `train` and `evaluate`."""
 
 from __future__ import annotations
 
@@ -9,21 +9,36 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from rich.progress import Progress
 
-from roomseg.cli.options import FiniteRange
-from roomseg.cli.output import follow, progress_bar
+from roomseg.cli.options import FiniteRange, jobs_option, maps_argument
+from roomseg.cli.output import counted, follow, progress_bar
 
 if TYPE_CHECKING:
     from dataset import MapFile
     from roomseg.classifier import ClassifierParameters
-    from roomseg.evaluation import LabelledMap
     from roomseg.features import EdgeFeatures
+    from roomseg.labelled_map import LabelledMap
 
-__all__ = ["chosen_parameters", "classifier_options", "compute", "labelled_maps", "subset_option"]
+__all__ = [
+    "check_labelled",
+    "check_ready",
+    "chosen_parameters",
+    "classifier_options",
+    "command",
+    "compute",
+    "labelled_maps",
+    "subset_option",
+]
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 # From `roomseg.features.SUBSETS`, which is only imported when it is needed.
 SUBSET_NAMES = ("all", "no-camera", "no-pano", "no-ceiling", "no-obst")
+
+EXAMPLE = """\b
+Example:
+  roomseg features maps/*.h5 -o features.h5
+  roomseg reproduce --from-features features.h5 -o reproduction
+"""
 
 subset_option = click.option(
     "--features",
@@ -76,8 +91,8 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         the features need, or lacks its ground truth.
     """
     from dataset import MapFile
-    from roomseg.evaluation import LabelledMap
     from roomseg.features import SUBSETS
+    from roomseg.labelled_map import LabelledMap
 
     for path in paths:
         check_ready(path, SUBSETS[subset])
@@ -87,7 +102,7 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         for path in paths:
             with MapFile(path) as file:
                 features = compute(file, SUBSETS[subset], bar)
-                maps.append(LabelledMap(file.topomap, features))
+                maps.append(LabelledMap.of(file.topomap, features))
     return maps
 
 
@@ -128,3 +143,29 @@ def check_labelled(path: Path) -> None:
             f"{path}: has no /ground_truth/room, expected the room of every node; "
             "`roomseg simulate` makes maps with it, docs/robot.md tells how to label your own"
         )
+
+
+@click.command("features", epilog=EXAMPLE)
+@maps_argument
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    required=True,
+    help="The feature set; maps that it has already are left alone.",
+)
+@jobs_option
+def command(*, maps: tuple[Path, ...], output: Path, jobs: int) -> None:
+    """Put the edge features and the truth of maps with images into one small file.
+
+    It holds the passageway feature for all parameters of Table 2, and what figures need, so
+    that `roomseg reproduce --from-features` needs neither maps nor images.
+    """
+    from dataset import RoomsegError
+    from roomseg.cli.feature_sets import complete_feature_set
+
+    if output.resolve() in {path.resolve() for path in maps}:
+        raise RoomsegError(f"{output}: is one of the maps and would be lost, expected another name")
+    new = complete_feature_set(maps, output, jobs)
+    size = output.stat().st_size / 1e6
+    click.echo(f"{output}: {counted(len(maps), 'map')}, {new} of them new, {size:.1f} MB")

@@ -67,7 +67,12 @@ def _available(file: MapFile) -> dict[str, list[Panel]]:
     panels |= _graph_panels(topomap, outlines)
     if topomap.scene is not None:
         panels["floor"] = [_floor_panel(topomap.scene, outlines)]
-    draw_rooms = partial(figures.draw_rooms, topomap=topomap, outlines=outlines)
+    draw_rooms = partial(
+        figures.draw_rooms,
+        nodes=topomap.nodes,
+        points=topomap.obstacles.position,
+        outlines=outlines,
+    )
     if true_room is not None:
         panels["truth"] = [partial(draw_rooms, room=true_room, title="Ground truth")]
     if rooms is not None:

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dataset import MapFile
+from dataset import MapFile, read_map
 from roomseg.classifier import ClassifierParameters
-from roomseg.evaluation import Evaluation, LabelledMap
+from roomseg.evaluation import Evaluation
 from roomseg.evaluation import MapResult as Judged
+from roomseg.labelled_map import LabelledMap
 from roomseg.report import (
     Comparison,
     Fact,
@@ -34,6 +35,7 @@ from scenes import apartment_from_json, floor_area, floor_region, obstacles
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dataset import TopoMap
     from scenes import Apartment
 
 __all__ = ["assemble"]
@@ -63,9 +65,9 @@ def assemble(
     rows = zip(paths, labelled, searched[0].results, strict=True)
     places = []
     for _, members in groupby(rows, key=lambda row: row[2].environment):
-        path, *_ = first = next(members)
-        results = tuple(_result(item, judged) for _, item, judged in (first, *members))
-        places.append(_place(path, results))
+        of_place = list(members)
+        results = tuple(_result(*row) for row in of_place)
+        places.append(_place(of_place[0][0], results))
     curves = roc_curves(labelled)
     return Report(
         title="Room segmentation",
@@ -105,28 +107,28 @@ def _search_table(searched: Sequence[Evaluation]) -> Comparison:
     return Comparison("Parameter search: mean impurity × 100 (Table 5)", measures, note)
 
 
-def _result(item: LabelledMap, judged: Judged) -> MapResult:
+def _result(path: Path, item: LabelledMap, judged: Judged) -> MapResult:
     """What is shown of one map."""
-    graph = item.features.graph
+    topomap = read_map(path)
     return MapResult(
-        topomap=item.topomap,
-        kept=graph.edges,
+        topomap=topomap,
+        kept=item.features.graph.edges,
         border=judged.predicted,
         room=judged.labels,
         uniform_room=judged.uniform_labels,
         impurity=judged.quality.impurity,
         uniform_impurity=judged.uniform_quality.impurity,
-        facts=_run_facts(item),
+        facts=_run_facts(topomap),
     )
 
 
-def _run_facts(item: LabelledMap) -> tuple[Fact, ...]:
+def _run_facts(topomap: TopoMap) -> tuple[Fact, ...]:
     """Coverage and effort of a simulated run; nothing for a real robot's."""
     from simulator import coverage_report
 
-    if item.topomap.scene is None:
+    if topomap.scene is None:
         return ()
-    report = coverage_report(item.topomap, apartment_from_json(item.topomap.scene))
+    report = coverage_report(topomap, apartment_from_json(topomap.scene))
     return (
         Fact("coverage", f"{100 * report.coverage:.1f} %", "within 20 cm of the path"),
         Fact("path", f"{report.path_length:.0f} m"),

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from dataset import FisheyeCamera
     from simulator import CoverageReport
 
+UNDATED = "1970-01-01T00:00:00Z"
+"""The same date in all maps, whenever they were made."""
+
 EXAMPLE = """\b
 Example:
   roomseg simulate home7.json --runs 3 -o maps
@@ -73,7 +76,7 @@ Example:
 @jobs_option
 @click.option(
     "--created",
-    default="1970-01-01T00:00:00Z",
+    default=UNDATED,
     show_default=True,
     help="ISO date to write into the maps; a clock would make equal seeds give other bytes.",
 )
@@ -110,22 +113,30 @@ def command(
     camera = _camera(robot_file)
     sources, problems = _by_name(apartments)
     if reference_set:
-        wanted = _reference_runs(output, created)
+        wanted = reference_runs(output, created)
     else:
         usual = Run("", "", 0, created, output, robot, sensor, camera, begin)
         wanted = [*runs_in(sources, usual, runs, seed)]
-    there = {run.output for run in wanted if not force and run.output.exists()}
-    outcomes = [*_recognise([r for r in wanted if r.output in there], judged=json_file is not None)]
-    todo = [run for run in wanted if run.output not in there]
-    outcomes += clean(todo, jobs, before=len(there)) if todo else ()
+    outcomes, there = carry_out(wanted, jobs, force=force, judged=json_file is not None)
     reports = {o.output: o.report for o in outcomes if o.report is not None}
     figures = [{"map": str(path)} | asdict(reports[path]) for path in sorted(reports)]
     write_json(json_file, {"seed": seed, "maps": figures})
     problems += [outcome.problem for outcome in outcomes if outcome.problem is not None]
     if len(apartments) > 1:
         made = sum(outcome.problem is None for outcome in outcomes)
-        click.echo(f"{output}: {counted(made, 'map')}, {len(there)} of them there before")
+        click.echo(f"{output}: {counted(made, 'map')}, {there} of them there before")
     tell_all(problems)
+
+
+def carry_out(
+    wanted: Sequence[Run], jobs: int, *, force: bool = False, judged: bool = False
+) -> tuple[list[Outcome], int]:
+    """Recognise the maps that are there and simulate the others; how many were there."""
+    there = {run.output for run in wanted if not force and run.output.exists()}
+    outcomes = [*_recognise([run for run in wanted if run.output in there], judged=judged)]
+    todo = [run for run in wanted if run.output not in there]
+    outcomes += clean(todo, jobs, before=len(there)) if todo else ()
+    return outcomes, len(there)
 
 
 def _start(
@@ -205,7 +216,7 @@ def runs_in(sources: Mapping[str, str], usual: Run, count: int, seed: int) -> It
             )
 
 
-def _reference_runs(output: Path, created: str) -> list[Run]:
+def reference_runs(output: Path, created: str = UNDATED) -> list[Run]:
     """All runs of the reference set."""
     from simulator import NEW_RUNS, NOVEL_RUNS, REFERENCE_RUNS
 

@@ -9,8 +9,10 @@ from roomseg.figures.camera_images import (
 )
 from roomseg.figures.charts import (
     RocCurve,
+    draw_border_share,
     draw_impurity_bars,
     draw_impurity_surface,
+    draw_lines,
     draw_passage_width,
     draw_roc,
     draw_room_counts,
@@ -49,6 +51,7 @@ __all__ = [
     "add_map_legend",
     "contact_sheet_figure",
     "dataset_sheet",
+    "draw_border_share",
     "draw_borders",
     "draw_camera_image",
     "draw_cleaning_run",
@@ -57,6 +60,7 @@ __all__ = [
     "draw_graph",
     "draw_impurity_bars",
     "draw_impurity_surface",
+    "draw_lines",
     "draw_lintel_histogram",
     "draw_lintel_search",
     "draw_obstacle_map",

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from roomseg.figures.plans import draw_circles
@@ -15,8 +16,10 @@ from roomseg.figures.style import EDGE_RED, INK, OBSTACLE_BLUE, TRAVEL_GREY, fin
 
 __all__ = [
     "RocCurve",
+    "draw_border_share",
     "draw_impurity_bars",
     "draw_impurity_surface",
+    "draw_lines",
     "draw_passage_width",
     "draw_roc",
     "draw_room_counts",
@@ -191,6 +194,7 @@ def draw_impurity_surface(
     impurity: ArrayLike,
     *,
     limit: float = 0.15,
+    other: tuple[float, float] | None = None,
     title: str | None = None,
 ) -> None:
     """Draw the mean impurity over the search grid of C and gamma (Figs. 13 and 14).
@@ -201,6 +205,8 @@ def draw_impurity_surface(
         Evenly spaced grid values.
     impurity : array, shape (b, a)
         Mean impurity, 0 to 1; values above ``limit`` share the darkest colour.
+    other : tuple of float, optional
+        Somebody else's choice, log2 of C and gamma, marked by a cross.
     """
     c, gamma = np.asarray(log2_c, dtype=float), np.asarray(log2_gamma, dtype=float)
     values = 100.0 * np.asarray(impurity, dtype=float)
@@ -218,6 +224,8 @@ def draw_impurity_surface(
     )
     row, column = np.unravel_index(np.nanargmin(values), values.shape)
     ax.plot(c[column], gamma[row], "o", ms=10, mfc="none", mec=OBSTACLE_BLUE, mew=2, gid="best")
+    if other is not None and c[0] <= other[0] <= c[-1] and gamma[0] <= other[1] <= gamma[-1]:
+        ax.plot(*other, "x", ms=7, mec=INK, mew=1.6, gid="other")
     ax.set_xlabel("log₂ C", fontsize=9)
     ax.set_ylabel("log₂ γ", fontsize=9)
     _quiet_axes(ax)
@@ -249,7 +257,53 @@ def draw_room_counts(
         )
     ax.set_xlabel("map nodes n", fontsize=9)
     ax.set_ylabel("rooms m", fontsize=9)
-    ax.set_xlim(left=0)
-    ax.set_ylim(bottom=0)
+    ax.set_xlim(0, 1.06 * n.max(initial=1))
+    ax.set_ylim(0, 1.08 * m.max(initial=1))
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    _quiet_axes(ax)
+    ax.legend(fontsize=7.5, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def draw_border_share(
+    ax: Any,
+    values: NDArray[np.float64],
+    is_border: NDArray[np.bool_],
+    bins: NDArray[np.float64],
+    *,
+    name: str,
+    mark: float,
+) -> None:
+    """Draw how many edges there are in each bin of a feature, and which share are borders.
+
+    ``mark`` is a threshold, drawn dotted; bins of fewer than 20 edges have no share.
+    """
+    count, _ = np.histogram(values, bins)
+    border, _ = np.histogram(values[is_border], bins)
+    middle, width = (bins[1:] + bins[:-1]) / 2, np.diff(bins)
+    ax.bar(middle, count, 0.92 * width, color="#C9CDD2", gid="edges")
+    ax.set_xlabel(name, fontsize=9)
+    ax.set_ylabel("edges", fontsize=9)
+    _quiet_axes(ax)
+    other = ax.twinx()
+    enough = count >= 20
+    share = 100.0 * border / np.maximum(count, 1)
+    other.plot(middle[enough], share[enough], "-o", color=EDGE_RED, ms=3.5, lw=1.4, gid="share")
+    other.set_ylim(bottom=0)
+    other.set_ylabel("border edges, %", fontsize=9, color=EDGE_RED)
+    other.spines[["top", "left"]].set_visible(False)
+    other.tick_params(labelsize=8, length=2.5, width=0.6, colors=EDGE_RED)
+    ax.axvline(mark, color=INK, ls=":", lw=1.0)
+
+
+def draw_lines(
+    ax: Any, x: Sequence[float], lines: Mapping[str, Sequence[float]], names: tuple[str, str]
+) -> None:
+    """Draw one line with marks for each name; ``names`` are those of the axes."""
+    markers = "os^Dv<>p"
+    for index, (label, values) in enumerate(lines.items()):
+        colour, marker = _SERIES[index % len(_SERIES)], markers[index % len(markers)]
+        ax.plot(x, values, marker=marker, ms=4, lw=1.3, color=colour, label=label, gid="line")
+    ax.set_xlabel(names[0], fontsize=9)
+    ax.set_ylabel(names[1], fontsize=9)
     _quiet_axes(ax)
     ax.legend(fontsize=7.5, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))

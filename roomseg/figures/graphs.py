@@ -10,7 +10,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
-from dataset.topomap import TopoMap
+from dataset.topomap import Nodes, TopoMap
 from roomseg.figures.plans import (
     Frame,
     Plan,
@@ -136,7 +136,7 @@ def draw_graph(
     frame = _graph_frame(topomap)
     if outlines is not None and frame == "scene":
         draw_outlines(ax, outlines, linewidth=0.5, alpha=0.45)
-    segments = node_positions(topomap, frame)[pairs]
+    segments = node_positions(topomap.nodes, frame)[pairs]
     ax.add_collection(
         LineCollection(
             list(segments[~marked]), colors=EDGE_RED, linewidths=0.45, gid="edges", zorder=3
@@ -164,40 +164,47 @@ def _draw_border_edges(ax: Any, segments: NDArray[np.float64]) -> None:
 
 def draw_rooms(
     ax: Any,
-    topomap: TopoMap,
+    nodes: Nodes,
     room: ArrayLike,
     *,
     truth: ArrayLike | None = None,
+    points: NDArray[np.float64] | None = None,
     outlines: Plan | None = None,
     title: str | None = None,
     bar: float | None = None,
 ) -> None:
     """Draw nodes as circles coloured by room, obstacles as blue lines (Fig. 22).
 
-    True positions if the map has them; else the estimates with the obstacle
+    True positions if there are any; else the estimates with the obstacle
     points as rings (Fig. 25).
 
     Parameters
     ----------
+    nodes : Nodes
     room : array, shape (n,)
         Room label of each node.
     truth : array, shape (n,), optional
         True rooms. ``room`` takes their colours by `match_rooms`, and nodes in
         a wrong room get a black ring.
+    points : array, shape (k, 2), optional
+        Obstacle points in the estimate's frame, m.
+    outlines : Plan, optional
+        Of obstacles, in the scene frame.
     """
     labels = np.asarray(room)
-    if labels.shape != (len(topomap.nodes),):
-        raise ValueError(f"room: shape {labels.shape}, expected ({len(topomap.nodes)},)")
+    if labels.shape != (len(nodes),):
+        raise ValueError(f"room: shape {labels.shape}, expected ({len(nodes)},)")
     wrong = np.zeros(len(labels), dtype=bool)
     if truth is not None:
         real = np.asarray(truth)
         labels, wrong = match_rooms(labels, real), wrong_nodes(labels, real)
-    if topomap.nodes.true_pose is None:
-        draw_obstacle_points(ax, topomap)
+    if nodes.true_pose is None:
+        if points is not None:
+            draw_obstacle_points(ax, points)
     elif outlines is not None:
         draw_outlines(ax, outlines)
     reference = labels if truth is None else np.concatenate([np.asarray(truth), labels])
-    _scatter_rooms(ax, node_positions(topomap), labels, np.unique(reference), wrong)
+    _scatter_rooms(ax, node_positions(nodes), labels, np.unique(reference), wrong)
     finish_plan(ax, title, bar)
 
 

@@ -15,7 +15,7 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
-from dataset.topomap import Path, TopoMap
+from dataset.topomap import Nodes, Path, TopoMap
 from roomseg.figures.style import (
     EDGE_RED,
     FLOOR_GREY,
@@ -60,11 +60,11 @@ def _closed(points: Floats) -> Floats:
     return points if np.array_equal(points[0], points[-1]) else np.vstack([points, points[:1]])
 
 
-def node_positions(topomap: TopoMap, frame: Frame | None = None) -> Floats:
+def node_positions(nodes: Nodes, frame: Frame | None = None) -> Floats:
     """Where to draw the nodes, (n, 2) m: true positions if known, else estimates (Fig. 22)."""
-    true_pose = topomap.nodes.true_pose
+    true_pose = nodes.true_pose
     if frame == "map" or (frame is None and true_pose is None):
-        return topomap.nodes.position
+        return nodes.position
     if true_pose is None:
         raise ValueError("frame: scene, but the map has no true poses; expected map")
     return true_pose[:, :2]
@@ -243,9 +243,9 @@ def _draw_base_station(ax: Any, position: tuple[float, float], radius: float) ->
     )
 
 
-def draw_obstacle_points(ax: Any, topomap: TopoMap, size: float = 0.04) -> None:
-    """Draw each laser point as a small black ring, diameter ``size`` m (Figs. 16 and 25)."""
-    rings = draw_circles(ax, topomap.obstacles.position, size)
+def draw_obstacle_points(ax: Any, points: Floats, size: float = 0.04) -> None:
+    """Draw laser points (k, 2) as small black rings, diameter ``size`` m (Figs. 16 and 25)."""
+    rings = draw_circles(ax, points, size)
     rings.set(facecolor="none", edgecolor=INK, linewidth=0.3, gid="obstacle-points", zorder=2)
 
 
@@ -253,5 +253,5 @@ def draw_obstacle_map(
     ax: Any, topomap: TopoMap, *, title: str | None = None, bar: float | None = None
 ) -> None:
     """Draw obstacle points as the robot believes them, drift and all (Fig. 16)."""
-    draw_obstacle_points(ax, topomap)
+    draw_obstacle_points(ax, topomap.obstacles.position)
     finish_plan(ax, title, bar)

@@ -12,29 +12,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roomseg.evaluation import LabelledMap
+from roomseg.experiments import paper
+from roomseg.experiments.single_features import TITLES
 from roomseg.figures import RocCurve
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import FeatureQuality, feature_quality, length_statistics, width_statistics
 from roomseg.report.contents import Comparison, Measure
 
 __all__ = ["edge_statistics", "feature_statistics", "roc_curves"]
-
-# name in the paper: (area under the curve, its tolerance, Youden's J)
-_TABLE_3 = {
-    "length": (0.71, 0.06, 0.35),
-    "passageway_width": (0.78, 0.08, 0.56),
-    "passageway": (0.87, 0.07, 0.61),
-    "d_c": (0.77, 0.08, 0.40),
-    "d_s": (0.66, 0.08, 0.29),
-}
-
-_TITLES = {
-    "length": "Edge length",
-    "passageway_width": "Obstacle data (passageway width L)",
-    "passageway": "Passageway detection",
-    "d_c": "Image distance d_c",
-    "d_s": "Image distance d_s",
-}
 
 
 def edge_statistics(maps: Sequence[LabelledMap]) -> Comparison:
@@ -55,14 +40,29 @@ def edge_statistics(maps: Sequence[LabelledMap]) -> Comparison:
     return Comparison(
         "Edges of the map graph (Table 1, §2.2.2, §2.3.2)",
         (
-            Measure("P(short), l < 0.2 m", length.short, 0.498, (0.45, 0.55)),
-            Measure("P(border)", length.border, 0.026, (0.020, 0.033)),
-            Measure("P(border | short)", length.border_given_short, 0.008, (0.004, 0.014)),
-            Measure("P(border | long)", length.border_given_long, 0.043, (0.033, 0.055)),
-            Measure("within-room edges per border edge", length.class_ratio, 38, (30, 50), 1),
-            Measure("share of edges without L", width.missing, 0.47, (0.37, 0.57)),
-            Measure("largest L, m", width.largest, 4.4, (3.5, 5.0), 2),
-            Measure("P(border | L < 0.5 m)", width.border_given_narrow, 0.005, (0.0, 0.015)),
+            Measure("P(short), l < 0.2 m", length.short, *paper.TABLE_1["P(short)"]),
+            Measure("P(border)", length.border, *paper.TABLE_1["P(border)"]),
+            Measure(
+                "P(border | short)",
+                length.border_given_short,
+                *paper.TABLE_1["P(border | short)"],
+            ),
+            Measure(
+                "P(border | long)", length.border_given_long, *paper.TABLE_1["P(border | long)"]
+            ),
+            Measure(
+                "within-room edges per border edge",
+                length.class_ratio,
+                *paper.CLASS_RATIO,
+                digits=1,
+            ),
+            Measure("share of edges without L", width.missing, *paper.WIDTH["missing"]),
+            Measure("largest L, m", width.largest, *paper.WIDTH["largest"], digits=2),
+            Measure(
+                "P(border | L < 0.5 m)",
+                width.border_given_narrow,
+                *paper.WIDTH["border_given_narrow"],
+            ),
         ),
         note="The accepted ranges are for whole homes; a tiny flat has more door per floor.",
     )
@@ -85,11 +85,10 @@ def feature_statistics(
     """
     measures = []
     for name, quality in _qualities(maps, weights).items():
-        paper_auc, tolerance, paper_youden = _TABLE_3[name]
-        accepted = (paper_auc - tolerance, paper_auc + tolerance)
+        paper_auc, accepted, paper_youden = paper.SINGLE_FEATURES[name]
         measures += [
-            Measure(f"{_TITLES[name]}: area under curve", quality.auc, paper_auc, accepted),
-            Measure(f"{_TITLES[name]}: Youden's J", quality.youden, paper_youden),
+            Measure(f"{TITLES[name]}: area under curve", quality.auc, paper_auc, accepted),
+            Measure(f"{TITLES[name]}: Youden's J", quality.youden, paper_youden),
         ]
     return Comparison("Single edge features (Table 3)", tuple(measures))
 
@@ -97,7 +96,7 @@ def feature_statistics(
 def roc_curves(maps: Sequence[LabelledMap]) -> tuple[RocCurve, ...]:
     """Fig. 11: one curve for every feature that the maps have."""
     return tuple(
-        RocCurve(_TITLES[name], quality.false_positive, quality.true_positive, quality.auc)
+        RocCurve(TITLES[name], quality.false_positive, quality.true_positive, quality.auc)
         for name, quality in _qualities(maps).items()
     )
 

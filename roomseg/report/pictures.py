@@ -75,7 +75,7 @@ def _plan_picture(
     place: Place, result: MapResult, draw: Callable[[Any], None], *words: str
 ) -> Picture:
     """Draw into axes as large as the plan asks for; ``words``: kind, title, caption, alt."""
-    points = [node_positions(result.topomap)]
+    points = [node_positions(result.topomap.nodes)]
     if place.outlines is not None:
         points += plan_rings(place.outlines)
     corners = np.vstack(points)
@@ -243,7 +243,14 @@ def _room_picture(
     return _plan_picture(
         place,
         result,
-        lambda ax: draw_rooms(ax, result.topomap, room, truth=truth, outlines=place.outlines),
+        lambda ax: draw_rooms(
+            ax,
+            result.topomap.nodes,
+            room,
+            truth=truth,
+            points=result.topomap.obstacles.position,
+            outlines=place.outlines,
+        ),
         kind,
         title,
         f"{caption}.",

@@ -15,8 +15,8 @@ from scipy.spatial import cKDTree
 
 from dataset.camera import FisheyeCamera
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, TopoMap, Visits
-from roomseg.evaluation import LabelledMap
 from roomseg.features import EdgeFeatures
+from roomseg.labelled_map import LabelledMap
 from roomseg.preprocessing import preprocess
 
 ROOMS = ((0.0, 1.6, 4.0, 4.6), (4.12, 1.6, 7.4, 4.6), (0.0, 0.0, 7.4, 1.48))
@@ -175,4 +175,4 @@ def labelled_flat(
     rng = np.random.default_rng(seed)
     values = rng.normal(0, 1, (len(graph), 2))
     values[:, 0] += 4.0 * informative * topomap.ground_truth.edge_is_border[graph.kept]
-    return LabelledMap(topomap, EdgeFeatures(graph, values, ("length", "passageway")))
+    return LabelledMap.of(topomap, EdgeFeatures(graph, values, ("length", "passageway")))

@@ -16,9 +16,10 @@ from cleaned_flat import cleaned_flat, fisheye_image
 from dataset import FisheyeCamera, FrameJournal, MapFile, Obstacles, TopoMap, read_map, write_map
 from roomseg.classifier import load_model
 from roomseg.cli.main import main
-from roomseg.cli.simulate import _reference_runs
-from roomseg.evaluation import LabelledMap, train_on
+from roomseg.cli.simulate import reference_runs
+from roomseg.evaluation import train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
+from roomseg.labelled_map import LabelledMap
 
 CAMERA = FisheyeCamera().resized(116)
 
@@ -99,7 +100,7 @@ def test_training_gives_the_same_bytes_in_another_process(folder):
     command = [sys.executable, "-m", "roomseg.cli", *arguments, "b.skops"]
     subprocess.run(command, check=True, capture_output=True)
     assert Path("a.skops").read_bytes() == Path("b.skops").read_bytes()
-    plain = train_on([LabelledMap(read_map("north.h5"), features_without_images("north.h5"))])
+    plain = train_on([LabelledMap.of(read_map("north.h5"), features_without_images("north.h5"))])
     loaded = load_model("a.skops")
     features = features_without_images("south.h5")
     np.testing.assert_array_equal(loaded.predict(features), plain.predict(features))
@@ -211,7 +212,7 @@ def test_the_reference_set_says_all_of_its_runs(folder, capsys):
         assert main(["simulate", "--reference-set", *more, "-o", "maps"]) == 2
         assert "does not go with --reference-set" in capsys.readouterr().err
     assert not Path("maps").exists()
-    runs = _reference_runs(Path("maps"), "1970-01-01T00:00:00Z")
+    runs = reference_runs(Path("maps"), "1970-01-01T00:00:00Z")
     assert len({run.output for run in runs}) == 31 + 5 + 5
     first = next(run for run in runs if run.output.name == "sim5-run1.h5")
     assert first.start == pytest.approx((5.5, 7.7, -np.pi / 2))

@@ -6,19 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cleaned_flat import labelled_flat
+from cleaned_flat import cleaned_flat, labelled_flat
 
 from dataset.errors import FormatError
 from roomseg.classifier import ClassifierParameters
 from roomseg.evaluation import (
     Evaluation,
-    LabelledMap,
     evaluate_room_count,
     leave_one_environment_out,
     map_rng,
     segment_map,
     train_on,
 )
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import impurity
 from roomseg.segmentation import segment
 
@@ -91,7 +91,7 @@ def test_rho_of_one_gives_no_weight_to_the_classifier(maps: list[LabelledMap]) -
     for result, item in zip(plain.results, maps, strict=True):
         graph = item.features.graph
         nothing = np.zeros(len(graph), dtype=bool)
-        rng = map_rng(0, item.topomap)
+        rng = map_rng(0, item)
         assert (result.labels == segment(graph, nothing, item.room_count, rng)).all()
 
 
@@ -112,19 +112,26 @@ def test_maps_with_other_features(maps: list[LabelledMap]) -> None:
 
 
 def test_unlabelled_map_is_refused(maps: list[LabelledMap]) -> None:
-    topomap = maps[0].topomap
+    topomap = cleaned_flat("a", 1)
     bare = topomap.with_ground_truth(replace(topomap.ground_truth, room=None))
     with pytest.raises(FormatError, match="a/run1: no ground_truth/room"):
-        LabelledMap(bare, maps[0].features)
+        LabelledMap.of(bare, maps[0].features)
 
 
 def test_generator_is_the_maps_own(maps: list[LabelledMap]) -> None:
-    draws = [map_rng(seed, item.topomap).random() for seed in (0, 1) for item in maps]
+    draws = [map_rng(seed, item).random() for seed in (0, 1) for item in maps]
     assert len(set(draws)) == len(draws)
-    assert map_rng(0, maps[0].topomap).random() == draws[0]
+    assert map_rng(0, maps[0]).random() == draws[0]
 
 
 def test_room_count_of_equal_flats_is_learnt(maps: list[LabelledMap]) -> None:
     by_nodes, by_gap = evaluate_room_count(maps)
     assert by_nodes.exact == 1.0
     assert by_gap.mean_absolute_error <= 1.0
+
+
+def test_arrays_that_do_not_fit_the_graph_are_refused(maps: list[LabelledMap]) -> None:
+    with pytest.raises(FormatError, match=r"a/run1: is_border: shape \(3,\), expected"):
+        replace(maps[0], is_border=maps[0].is_border[:3])
+    with pytest.raises(FormatError, match=r"a/run1: room: shape \(3,\), expected"):
+        replace(maps[0], room=maps[0].room[:3])

@@ -182,7 +182,7 @@ def test_graph_refuses_a_wrong_number_of_marks(ax, flat):
 
 def test_rooms_are_coloured_one_by_one_at_true_positions(ax, flat):
     room = flat.ground_truth.room
-    draw_rooms(ax, flat, room, outlines=obstacles())
+    draw_rooms(ax, flat.nodes, room, outlines=obstacles())
     colours = set()
     for name in np.unique(room):
         circles = artist(ax, f"room-{name}")
@@ -196,9 +196,9 @@ def test_predicted_rooms_take_the_true_colours_and_ring_the_wrong_nodes(ax, flat
     renamed = np.array([7, 3, 5])[truth]
     wrong = (flat.nodes.true_pose[:, 0] > 6.0) & (truth == 2)
     predicted = np.where(wrong, 7, renamed)  # 7 is the true room 0
-    draw_rooms(ax, flat, predicted, truth=truth)
+    draw_rooms(ax, flat.nodes, predicted, truth=truth)
     other = new_figure().subplots()
-    draw_rooms(other, flat, truth)
+    draw_rooms(other, flat.nodes, truth)
     ringed = 0
     for name in range(3):
         circles = artist(ax, f"room-{name}")
@@ -209,7 +209,13 @@ def test_predicted_rooms_take_the_true_colours_and_ring_the_wrong_nodes(ax, flat
 
 
 def test_a_real_robots_rooms_are_drawn_on_its_obstacle_points(ax, real_flat):
-    draw_rooms(ax, real_flat, real_flat.ground_truth.room, outlines=obstacles())
+    draw_rooms(
+        ax,
+        real_flat.nodes,
+        real_flat.ground_truth.room,
+        points=real_flat.obstacles.position,
+        outlines=obstacles(),
+    )
     assert_allclose(artist(ax, "obstacle-points").get_offsets(), real_flat.obstacles.position)
     assert not ax.findobj(lambda a: a.get_gid() == "obstacle-outlines")
 
@@ -379,7 +385,7 @@ def test_charts_of_the_experiments(ax):
 def test_the_same_figure_gives_the_same_bytes_and_no_global_figure(flat):
     def draw():
         figure = new_figure()
-        draw_rooms(figure.subplots(), flat, flat.ground_truth.room, outlines=obstacles())
+        draw_rooms(figure.subplots(), flat.nodes, flat.ground_truth.room, outlines=obstacles())
         return png_bytes(figure, dpi=60)
 
     first = draw()
@@ -402,7 +408,7 @@ def test_one_legend_names_what_the_panels_show(flat, real_flat):
     truth = np.asarray(flat.ground_truth.room)
     for room, wrong in ((truth, False), (np.where(np.arange(len(truth)) == 5, 99, truth), True)):
         figure = new_figure()
-        draw_rooms(figure.add_subplot(), flat, room, truth=truth)
+        draw_rooms(figure.add_subplot(), flat.nodes, room, truth=truth)
         add_map_legend(figure)
         assert ("node in a wrong room" in legend_of(figure)) == wrong
         assert "node in the colour of its room" in legend_of(figure)

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from roomseg.metrics import (
+    BorderErrors,
+    border_errors,
     border_quality,
     feature_quality,
     impurity,
     length_statistics,
     purity,
+    room_overlap,
     segmentation_quality,
     width_statistics,
 )
@@ -125,3 +128,56 @@ def test_width_statistics_by_hand() -> None:
     nothing = width_statistics(np.full(3, 5.0), np.zeros(3, bool))
     assert np.isnan(nothing.largest)
     assert np.isnan(nothing.border_given_narrow)
+
+
+def test_room_overlap_by_hand() -> None:
+    rooms = np.array([0, 0, 0, 0, 1, 1, 1, 1, 2, 2])
+    labels = np.array([5, 5, 5, 7, 7, 7, 7, 7, 7, 9])
+    # 5 and 0 share 3 of 4 nodes, 7 and 1 share 4 of 6, 9 and 2 share 1 of 2.
+    iou, f1 = room_overlap(labels, rooms)
+    assert iou == pytest.approx((3 / 4 + 4 / 6 + 1 / 2) / 3)
+    assert f1 == 1.0
+    # With a stricter threshold only the first pair counts: 2 · 1 / (3 + 3).
+    assert room_overlap(labels, rooms, 0.7)[1] == pytest.approx(1 / 3)
+
+
+def test_one_room_overlaps_the_largest_only() -> None:
+    rooms = np.array([0, 0, 0, 1, 1, 2])
+    iou, f1 = room_overlap(np.zeros(6, int), rooms)
+    assert iou == pytest.approx((3 / 6) / 3)
+    assert f1 == pytest.approx(2 * 1 / (1 + 3))
+
+
+def test_pairs_are_chosen_together_not_one_by_one() -> None:
+    # Cluster 0 overlaps room 0 best (3/6), but room 1 would then be left with nothing.
+    rooms = np.array([0, 0, 0, 1, 1, 1, 0])
+    labels = np.array([0, 0, 0, 0, 0, 1, 1])
+    table = {(0, 0): 3 / 6, (0, 1): 2 / 6, (1, 0): 1 / 5, (1, 1): 1 / 4}
+    best = max(table[0, 0] + table[1, 1], table[0, 1] + table[1, 0])
+    assert room_overlap(labels, rooms)[0] == pytest.approx(best / 2)
+
+
+# Three rooms in a row of twelve nodes: 0 0 0 0 | 1 1 1 1 1 1 | 2 2
+ROW = np.array([0] * 4 + [1] * 6 + [2] * 2)
+CHAIN = np.stack([np.arange(11), np.arange(1, 12)], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("found", "missed", "false"),
+    [
+        ([0] * 4 + [1] * 6 + [2] * 2, 0, 0),
+        ([0] * 5 + [1] * 5 + [2] * 2, 0, 0),  # merely shifted
+        ([0] * 4 + [1] * 3 + [2] * 5, 0, 1),  # 2 is no room of its own: 1 goes either way
+        ([0] * 2 + [1] * 2 + [2] * 8, 1, 1),  # the small room is lost, the first is split
+        ([0] * 12, 2, 0),
+        (list(range(12)), 0, 3 + 5 + 1),
+    ],
+)
+def test_border_errors_by_hand(found: list[int], missed: int, false: int) -> None:
+    errors = border_errors(np.array(found), ROW, CHAIN)
+    assert errors == BorderErrors(missed, false)
+
+
+def test_rooms_that_are_no_neighbours_have_no_border_to_miss() -> None:
+    # Rooms 0 and 2 lie in one cluster, but no edge joins them.
+    assert border_errors(np.where(ROW == 1, 1, 0), ROW, CHAIN) == BorderErrors(0, 0)

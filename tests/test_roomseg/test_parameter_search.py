@@ -7,7 +7,8 @@ import pytest
 from cleaned_flat import labelled_flat
 
 from roomseg.classifier import ClassifierParameters
-from roomseg.evaluation import LabelledMap, leave_one_environment_out
+from roomseg.evaluation import leave_one_environment_out
+from roomseg.labelled_map import LabelledMap
 from roomseg.parameter_search import EXCERPT, search_parameters
 
 
