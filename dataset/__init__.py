@@ -6,7 +6,8 @@ from dataset.errors import FormatError, RoomsegError
 from dataset.frames import Radiance
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
-from dataset.storage import MapFile, Rooms, read_map, write_map, write_rooms
+from dataset.storage import Images, MapFile, Rooms, read_map, write_map, write_rooms
+from dataset.storage import open_file as open
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 from dataset.validation import problems
 
@@ -18,6 +19,7 @@ __all__ = [
     "FormatError",
     "FrameJournal",
     "GroundTruth",
+    "Images",
     "MapFile",
     "Nodes",
     "Obstacles",
@@ -31,6 +33,7 @@ __all__ = [
     "Visits",
     "crosses_border",
     "discard_frames",
+    "open",
     "problems",
     "read_map",
     "summarise",

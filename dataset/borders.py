@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 __all__ = ["crosses_border"]
@@ -28,6 +27,9 @@ def crosses_border(
     -------
     array of bool, shape (e,)
     """
+    # Imported only now: `import dataset` needs NumPy, h5py and nothing heavier.
+    import shapely
+
     crossed = np.zeros(len(edges), np.bool_)
     if len(edges) and len(borders):
         tree = shapely.STRtree(shapely.linestrings(borders))
