@@ -1,6 +1,6 @@
 """What a map is: arrays, the camera model, and the HDF5 map file."""
 
-from dataset.borders import crosses_border
+from dataset.borders import borders_between, crosses_border
 from dataset.camera import REAL_CAMERA, SIMULATED_CAMERA, CameraFlaws, FisheyeCamera
 from dataset.errors import FormatError, RoomsegError
 from dataset.frames import Radiance
@@ -31,6 +31,7 @@ __all__ = [
     "Summary",
     "TopoMap",
     "Visits",
+    "borders_between",
     "crosses_border",
     "discard_frames",
     "open",
