@@ -1,12 +1,13 @@
 """What a map is: arrays, the camera model, and the HDF5 map file."""
 
-from dataset.borders import crosses_border
+from dataset.borders import borders_between, crosses_border
 from dataset.camera import REAL_CAMERA, SIMULATED_CAMERA, CameraFlaws, FisheyeCamera
 from dataset.errors import FormatError, RoomsegError
 from dataset.frames import Radiance
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
-from dataset.storage import MapFile, Rooms, read_map, write_map, write_rooms
+from dataset.storage import Images, MapFile, Rooms, read_map, write_map, write_rooms
+from dataset.storage import open_file as open
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 from dataset.validation import problems
 
@@ -18,6 +19,7 @@ __all__ = [
     "FormatError",
     "FrameJournal",
     "GroundTruth",
+    "Images",
     "MapFile",
     "Nodes",
     "Obstacles",
@@ -29,8 +31,10 @@ __all__ = [
     "Summary",
     "TopoMap",
     "Visits",
+    "borders_between",
     "crosses_border",
     "discard_frames",
+    "open",
     "problems",
     "read_map",
     "summarise",

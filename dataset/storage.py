@@ -34,10 +34,17 @@ from dataset.layout import (
     read,
     text_attribute,
 )
+from dataset.tables import (
+    Columns,
+    data_frame,
+    edge_columns,
+    node_columns,
+    obstacle_columns,
+)
 from dataset.topomap import TopoMap
 from dataset.writing import created
 
-__all__ = ["MapFile", "Rooms", "read_map", "write_map", "write_rooms"]
+__all__ = ["Images", "MapFile", "Rooms", "open_file", "read_map", "write_map", "write_rooms"]
 
 OWN_CAMERA = "own_camera"
 """Keeps the camera that a map had before its images were made with another one."""
@@ -173,6 +180,49 @@ def open_map(path: str | Path) -> h5py.File:
         return file
 
 
+@dataclass(frozen=True)
+class Images:
+    """The images of a map, read from the file only where they are indexed.
+
+    ``images[3]`` is one image (rows, columns), ``images[10:20]`` and
+    ``images[[4, 2]]`` are several, (k, rows, columns), all uint8; FormatError if one of
+    them is not there (`MapFile.done` says which are).
+    """
+
+    file: MapFile
+
+    def __len__(self) -> int:
+        return len(self.file.done)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Of all images, (n, rows, columns)."""
+        return (len(self), *self.file.topomap.camera.image_size)
+
+    def __getitem__(self, index: int | slice | Sequence[int] | NDArray[Any]) -> Image:
+        chosen = np.arange(len(self))[index]
+        if chosen.ndim == 0:
+            return self.file.image(int(chosen))
+        stack = [self.file.image(int(node)) for node in chosen]
+        return np.stack(stack) if stack else np.empty((0, *self.shape[1:]), np.uint8)
+
+    def __iter__(self) -> Iterator[Image]:
+        return (self.file.image(node) for node in range(len(self)))
+
+
+def open_file(path: str | Path) -> MapFile:
+    """Open a map file for reading: ``with dataset.open("map.h5") as m: ...``.
+
+    Nothing but its head is read before it is asked for.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, cut off or no map.
+    """
+    return MapFile(path)
+
+
 class MapFile:
     """A map file open for reading; arrays are read when they are asked for.
 
@@ -244,12 +294,10 @@ class MapFile:
         with errors_of(self.path):
             return np.asarray(self._pixels[index])
 
-    def images(self, indices: Sequence[int] | NDArray[Any] | None = None) -> Image:
-        """Read the images of some nodes (all, if absent), shape (k, rows, columns)."""
-        chosen = range(len(self.done)) if indices is None else indices
-        stack = [self.image(int(index)) for index in chosen]
-        size = self.topomap.camera.image_size
-        return np.stack(stack) if stack else np.empty((0, *size), np.uint8)
+    @property
+    def images(self) -> Images:
+        """All images as one array that is read where it is sliced: ``file.images[10:20]``."""
+        return Images(self)
 
     @property
     def own_camera(self) -> FisheyeCamera:
@@ -299,6 +347,28 @@ class MapFile:
                 model=text_attribute(group, "model"),
                 count=int(number_attribute(group, "rooms")),
             )
+
+    def node_columns(self) -> Columns:
+        """Arrays of all nodes by name, with the rooms that were found (`dataset.tables`)."""
+        rooms = self.rooms
+        return node_columns(self.topomap, None if rooms is None else rooms.label)
+
+    def nodes_table(self) -> Any:
+        """One row per node, a `pandas.DataFrame`; RoomsegError without pandas."""
+        return data_frame(self.node_columns() | {"image": self.done}, "node")
+
+    def edges_table(self) -> Any:
+        """One row per edge, a `pandas.DataFrame`; RoomsegError without pandas."""
+        return data_frame(edge_columns(self.topomap), "edge")
+
+    def visits_table(self) -> Any:
+        """One row per visit, a `pandas.DataFrame`; RoomsegError without pandas."""
+        visits = self.topomap.visits
+        return data_frame({"node": visits.node, "time": visits.time}, "visit")
+
+    def obstacles_table(self) -> Any:
+        """One row per obstacle point, a `pandas.DataFrame`; RoomsegError without pandas."""
+        return data_frame(obstacle_columns(self.topomap), "point")
 
     @cached_property
     def _pixels(self) -> h5py.Dataset:

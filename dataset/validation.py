@@ -16,10 +16,7 @@ from typing import Any
 
 import h5py
 import numpy as np
-import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from dataset.errors import FormatError
 from dataset.image_checks import image_problems, radiance_problems
@@ -204,6 +201,9 @@ def _check_edges(file: h5py.File, sound: Sound) -> Iterator[str]:
 def _check_connected(file: h5py.File, sound: Sound) -> Iterator[str]:
     if "edges" not in sound or "nodes/position" not in sound:
         return
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     edges, n = sound["edges"][()], len(sound["nodes/position"])
     if not n:
         yield "/nodes/position: no nodes"
@@ -321,6 +321,8 @@ def _check_borders(file: h5py.File, sound: Sound) -> Iterator[str]:
     """Edges marked as borders are those that the border segments cross (§3.1.1)."""
     if "ground_truth/borders" not in sound or "ground_truth/edge_is_border" not in sound:
         return
+    import shapely
+
     frame = sound["ground_truth/borders"].attrs.get("frame")
     if frame == "scene" and "nodes/true_pose" not in file:
         yield "/ground_truth/borders: frame is scene, but /nodes/true_pose is missing"

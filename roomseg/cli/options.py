@@ -50,7 +50,8 @@ class OutputFile(click.ParamType[Path]):
         path = Path(value)
         if path.is_dir():
             self.fail(f"{path} is a folder, expected a file name", param, ctx)
-        if path.suffix == ".h5" or _is_map(path):
+        new_map = ".h5" in self.suffixes and not path.exists()
+        if (path.suffix == ".h5" and not new_map) or _is_map(path):
             self.fail(f"{path} is a map and would be lost, expected another file name", param, ctx)
         if path.exists() and not path.is_file():
             self.fail(f"{path} is no regular file, expected another file name", param, ctx)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import colorsys
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from scenes.errors import SceneError
 from scenes.solids import building_region, floor_region, obstacles
 from scenes.storage import save_bytes, save_text
 
-__all__ = ["GridMap", "draw_grid_map", "write_ros_map"]
+__all__ = ["GridMap", "draw_grid_map", "save_grid_map", "write_ros_map"]
 
 Bytes = NDArray[np.uint8]
 
@@ -116,20 +117,40 @@ def write_ros_map(
     SceneError
         If a file cannot be written, or the map would be too large.
     """
+    rooms = [(room.name, room.kind) for room in apartment.rooms]
+    return save_grid_map(draw_grid_map(apartment, resolution), rooms, path)
+
+
+def save_grid_map(
+    grid: GridMap, rooms: Sequence[tuple[str, str]], path: str | Path
+) -> tuple[Path, ...]:
+    """Write a grid map as ``map_server`` reads it, and its rooms by name and kind.
+
+    Returns
+    -------
+    tuple of Path
+        The files, the YAML, which is written last, first; without rooms there is no
+        picture of them, and no table.
+
+    Raises
+    ------
+    SceneError
+        If a file cannot be written.
+    """
     path = Path(path)
-    grid = draw_grid_map(apartment, resolution)
     image, labels, table = (
         path.with_name(f"{path.stem}{end}") for end in (".pgm", "_rooms.png", "_rooms.csv")
     )
     rows, columns = grid.cells.shape
-    header = f"P5\n# {resolution:g} m per pixel\n{columns} {rows}\n255\n"
+    header = f"P5\n# {grid.resolution:g} m per pixel\n{columns} {rows}\n255\n"
     save_bytes(header.encode() + grid.cells.tobytes(), image)
-    save_bytes(cv2.imencode(".png", grid.rooms)[1].tobytes(), labels)
-    save_text(_room_table(apartment), table)
-    fields = {"image": image.name, "resolution": resolution, "origin": [*grid.origin, 0.0]}
+    if rooms:
+        save_bytes(cv2.imencode(".png", grid.rooms)[1].tobytes(), labels)
+        save_text(_room_table(rooms), table)
+    fields = {"image": image.name, "resolution": grid.resolution, "origin": [*grid.origin, 0.0]}
     text = yaml.safe_dump(fields | THRESHOLDS, sort_keys=False, default_flow_style=None)
     save_text(text, path)
-    return path, image, labels, table
+    return (path, image, labels, table) if rooms else (path, image)
 
 
 def _extent(
@@ -176,13 +197,13 @@ def _thickened(solid: shapely.Geometry, resolution: float) -> shapely.Geometry:
     return solid.union(thin.buffer(half, join_style="mitre"))
 
 
-def _room_table(apartment: Apartment) -> str:
+def _room_table(rooms: Sequence[tuple[str, str]]) -> str:
     """What the greys of the rooms mean, with a colour to draw each in."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["value", "name", "kind", "r", "g", "b"])
-    for index, room in enumerate(apartment.rooms):
+    for index, (name, kind) in enumerate(rooms):
         # Hues a golden section apart: neighbours in the list are easy to tell apart.
         colour = colorsys.hsv_to_rgb(index * 0.618034 % 1.0, 0.5, 0.95)
-        table.writerow([index + 1, room.name, room.kind, *(round(255 * c) for c in colour)])
+        table.writerow([index + 1, name, kind, *(round(255 * c) for c in colour)])
     return text.getvalue()

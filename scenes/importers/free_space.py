@@ -281,6 +281,9 @@ def _surround(shell: Polygon, thickness: float) -> Block:
     """The ring of masonry around the floor."""
     wide = shell.buffer(thickness + NICHE / 2, join_style="mitre", mitre_limit=2.0)
     wide = Polygon(wide.exterior).buffer(-NICHE / 2, join_style="mitre", mitre_limit=2.0)
+    # Across a niche whose mouth is at a slant, the second mitre may cut into the floor.
+    wide = wide.union(shell.buffer(thickness, join_style="mitre", mitre_limit=2.0))
+    wide = Polygon(max(polygons(wide), key=lambda part: part.area).exterior)
     # Where the ring meets itself across a niche, rounding closes the slit of no width.
     whole = shapely.set_precision(wide, GRID)
     outline = max(polygons(whole), key=lambda part: part.area).exterior

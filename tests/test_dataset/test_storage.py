@@ -220,8 +220,8 @@ def test_images_are_read_one_by_one(full_path, topomap):
         assert file.image_count == 8
         assert file.done.tolist() == [True] * 8
         np.testing.assert_array_equal(file.image(5), images[5])
-        np.testing.assert_array_equal(file.images([6, 1]), images[[6, 1]])
-        np.testing.assert_array_equal(file.images(), images)
+        np.testing.assert_array_equal(file.images[[6, 1]], images[[6, 1]])
+        np.testing.assert_array_equal(file.images[:], images)
         assert file.gain(7) == 2.0
         assert file.topomap is file.topomap
 
@@ -248,7 +248,7 @@ def test_map_without_images(map_path):
     with MapFile(map_path) as file:
         assert file.image_count == 0
         assert not file.done.any()
-        assert file.images([]).shape == (0, 16, 16)
+        assert file.images[[]].shape == (0, 16, 16)
         assert file.rooms is None
 
 

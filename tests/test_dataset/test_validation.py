@@ -343,5 +343,5 @@ def test_readers_refuse_or_read_what_is_wrong(full_path, case):
 
 def all_images(path):
     with MapFile(path) as file:
-        file.images()
+        file.images[:]
         return [file.gain(node) for node in range(8)], file.rooms, file.preset

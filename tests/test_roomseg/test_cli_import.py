@@ -170,8 +170,12 @@ def test_an_exported_map_comes_back_by_the_command(folder, capsys):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["-o", "a.xyz"], "a.xyz: expected a suffix of .blend, .glb, .geojson, .svg, .yaml, .rrd"),
-        (["-o", "a.geojson", "--resolution", "0.1"], "--resolution: has no meaning for .geojson"),
+        (
+            ["-o", "a.xyz"],
+            "a.xyz: expected a suffix of .blend, .glb, .geojson, .svg, .yaml, .rrd, .graphml, "
+            ".json, .csv, or --format",
+        ),
+        (["-o", "a.geojson", "--resolution", "0.1"], "--resolution: has no meaning for geojson"),
         (
             ["-o", "gone/a.yaml"],
             "Invalid value for '-o' / '--output': gone/a.yaml: the folder gone does not exist",

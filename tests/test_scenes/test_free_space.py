@@ -171,3 +171,11 @@ def test_the_open_end_of_a_border_is_told():
     (note,) = imported(LEFT, borders=[[[1.0, 0.0], [1.0, 2.6]]]).notes
     assert "the end at (1, 2.6) is 0.40 m from a wall, expected at most 0.1 m; left out" in note
     assert "(1, 0) is" not in note
+
+
+def test_masonry_stays_outside_the_floor_across_a_slanted_niche():
+    corners = [(0, 0), (3, 0), (4.5, 0.25), (5, 1.25), (3, 2), (3.5, 3.25), (4.5, 3.5), (3, 5)]
+    free = Polygon([*corners, (0, 5)])
+    apartment = imported(free).apartment
+    assert obstacles(apartment).is_valid
+    assert floor_area(apartment) == pytest.approx(free.area, rel=0.01)

@@ -1,0 +1,1 @@
+"""Maps in the formats of other programs; each module makes what is written, of arrays."""
