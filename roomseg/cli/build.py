@@ -252,6 +252,9 @@ class Work:
         def tell_device(device: str) -> None:
             tell(bar, f"{path}: rendering on {device}", err=True)
 
+        def tell_bake() -> None:
+            tell(bar, f"{path}: baking the light, once per apartment", err=True)
+
         try:
             return render_map(
                 path,
@@ -260,6 +263,7 @@ class Work:
                 device=self.device,
                 hdr=self.files.recipe.hdr,
                 on_device=tell_device,
+                on_bake=tell_bake,
                 on_progress=show,
             )
         except (RoomsegError, SceneError, OSError) as error:

@@ -119,8 +119,8 @@ class _Group(_Table):
 class _Fields(_Table):
     """The file."""
 
-    preset: str
     places: tuple[_Group, ...]
+    preset: str = "fast"
     name: Annotated[str, Field(max_length=100, pattern=r"^[^\n]*$")] = ""
     description: str = ""
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0

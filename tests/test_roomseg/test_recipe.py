@@ -116,7 +116,6 @@ reference = "demo1"
         ("runs", "rums", "line 2: rums: unknown key; did you mean 'runs'?"),
         ("runs = 1", "runs = 0", "line 2: runs: 0; expected at least 1"),
         ("runs = 1", 'runs = "one"', "line 2: runs: 'one'; expected a whole number"),
-        ('preset = "draft"', "", "line 1: preset: missing; expected a value"),
         ("draft", "drift", "line 1: preset: 'drift', expected one of "),
         ("runs = 1", "seed = -1", "line 2: seed: -1; expected at least 0"),
         ("runs = 1", 'starts = "far"', "line 2: starts: 'far'; expected 'own' or 'random'"),
