@@ -61,8 +61,8 @@ def lab(rng: np.random.Generator, size: float) -> Mask:
 
 
 def hall(rng: np.random.Generator, size: float) -> Mask:
-    """A hall of 50 x 40 m, of ``size`` times its area, with pillars and some racks."""
-    rows, columns = (round(side * np.sqrt(size)) for side in (800, 1000))
+    """A hall of 30 x 20 m, of ``size`` times its area, with pillars and some racks."""
+    rows, columns = (round(side * np.sqrt(size)) for side in (400, 600))
     free = np.pad(np.ones((rows, columns), np.bool_), 20)
     for y in range(100, rows, 150):
         for x in range(100, columns, 150):
