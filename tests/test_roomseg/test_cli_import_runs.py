@@ -63,7 +63,7 @@ def test_the_rooms_of_an_imported_run_are_found_without_images(folder, capsys):
     ("arguments", "line"),
     [
         (["run.json", "-o", "a.json"], "a.json: run.json is a run, expected a name with .h5"),
-        (["home.yaml", "-o", "a.h5"], "a.h5: home.yaml is an apartment, expected a name with .json"),
+        (["home.yaml", "-o", "a.h5"], "home.yaml is an apartment, expected a name with .json"),
         (["run.json", "-o", "flat.h5"], "flat.h5 is a map and would be lost"),
         (["run.json", "-o", "a.h5", "--ceiling", "3"], "--ceiling: has no meaning for the format"),
         (["run.bag", "-o", "a.h5"], "--topics: missing, expected a TOML file"),
