@@ -20,8 +20,8 @@ __all__ = ["cli", "main"]
 COMMANDS = {
     "demo": "All of it, small, in minutes.",
     "generate": "Make up an apartment.",
-    "import": "Make an apartment of a grid map, a floor plan or a 3D scene.",
-    "export": "Write an apartment or a run for other programs.",
+    "import": "Make an apartment of a map, plan or 3D scene, or a map of a robot's run.",
+    "export": "Write an apartment or a map for other programs.",
     "simulate": "Clean apartments and record maps.",
     "render": "Add camera images to maps.",
     "expose": "Expose the images of maps again, without rendering.",

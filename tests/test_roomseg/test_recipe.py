@@ -32,7 +32,7 @@ def test_the_recipe_of_the_docs():
     recipe = read_recipe(DOCS / "recipe.toml")
     assert recipe.robot == RobotSpec(lane_spacing=0.28)
     assert recipe.sensor == SensorSpec(beams=12)
-    assert recipe.preset.name == "quick"
+    assert recipe.preset.name == "fast"
     assert recipe.camera.field_of_view == pytest.approx(np.radians(185.0))
     assert (recipe.camera.image_size, recipe.camera.disc_centre) == ((232, 232), (116.0, 116.0))
     wishes = Wishes(rooms=(1, 3), area=(10.0, 25.0), lighting="mixed")

@@ -1,0 +1,86 @@
+"""``roomseg import`` of robots' runs: the map is written, and its rooms are found."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cleaned_flat import cleaned_flat
+from scipy.spatial import KDTree
+
+from dataset import problems, read_map, write_map
+from roomseg.cli.main import main
+from roomseg.metrics import impurity
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with the flat's run as a Valetudo map."""
+    monkeypatch.chdir(tmp_path)
+    write_map("flat.h5", replace(cleaned_flat(), path=None))
+    assert main(["export", "flat.h5", "-o", "run.json", "--format", "valetudo"]) == 0
+    return tmp_path
+
+
+def said(capsys, *arguments):
+    """Exit code, standard output, and the lines of standard error."""
+    capsys.readouterr()
+    code = main(list(arguments))
+    out, err = capsys.readouterr()
+    return code, out, err.splitlines()
+
+
+def test_a_valetudo_map_goes_there_and_back(folder, capsys):
+    code, out, err = said(capsys, "import", "run.json", "--name", "home", "-o", "back.h5")
+    assert code == 0
+    assert out.startswith("back.h5: ") and out.endswith(", 3 rooms\n")
+    assert err[-1].startswith("run.json: rooms by segment: 0 'room-1' (")
+    assert list(problems("back.h5")) == []
+    before, after = read_map("flat.h5"), read_map("back.h5")
+    assert (after.environment, after.run) == ("home", "run")
+    gap, near = KDTree(after.nodes.position).query(before.nodes.position)
+    assert gap.max() < 0.12
+    same = after.ground_truth.room[near] == before.ground_truth.room
+    assert same.mean() > 0.98
+
+
+def test_the_rooms_of_an_imported_run_are_found_without_images(folder, capsys):
+    model = ("--features", "no-camera", "-o", "plain.skops")
+    assert said(capsys, "train", "flat.h5", *model)[0] == 0
+    assert said(capsys, "import", "run.json", "-o", "back.h5")[0] == 0
+    code, out, _ = said(capsys, "segment", "back.h5", "--model", "plain.skops", "--json", "f.json")
+    assert code == 0 and "3 rooms by plain.skops" in out
+    with open("f.json", encoding="utf-8") as stream:  # noqa: PTH123
+        figures = json.load(stream)
+    assert figures["impurity"] < 0.1
+    truth = read_map("back.h5").ground_truth.room
+    assert figures["impurity"] < impurity(np.zeros(len(truth), np.int32), truth)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["run.json", "-o", "a.json"], "a.json: run.json is a run, expected a name with .h5"),
+        (["home.yaml", "-o", "a.h5"], "home.yaml is an apartment, expected a name with .json"),
+        (["run.json", "-o", "flat.h5"], "flat.h5 is a map and would be lost"),
+        (["run.json", "-o", "a.h5", "--ceiling", "3"], "--ceiling: has no meaning for the format"),
+        (["run.bag", "-o", "a.h5"], "--topics: missing, expected a TOML file"),
+        (["run.bag", "--topics", "run.json", "-o", "a.h5"], "run.json: "),
+        (["run.bag", "--topics", "t.toml", "-o", "a.h5"], "run.bag: damaged bag"),
+        ([".", "-o", "a.h5"], ".: is a folder without metadata.yaml, expected a ROS 2 bag"),
+        (["cut.json", "-o", "a.h5", "--format", "valetudo"], "cut.json: Invalid JSON: "),
+        (["home.yaml", "-o", "a.h5", "--format", "valetudo"], "home.yaml: Invalid JSON: "),
+    ],
+)  # fmt: skip
+def test_faults_are_one_line_and_nothing_is_written(folder, capsys, arguments, line):
+    pytest.importorskip("rosbags")
+    (folder / "home.yaml").write_text("image: a.pgm", encoding="utf-8")
+    (folder / "run.bag").write_bytes(b"#ROSBAG V2.0\nxyz")
+    (folder / "t.toml").write_text('[odometry]\ntopic = "/odom"\n', encoding="utf-8")
+    (folder / "cut.json").write_bytes((folder / "run.json").read_bytes()[:500])
+    code, out, err = said(capsys, "import", *arguments)
+    assert (code, out, len(err)) == (2, "", 1)
+    assert err[0].startswith("roomseg: error: ") and line in err[0]
+    assert not (folder / "a.h5").exists() and not (folder / "a.json").exists()
