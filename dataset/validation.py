@@ -27,7 +27,7 @@ from dataset.layout import (
     number_attribute,
     text_attribute,
 )
-from dataset.storage import opened
+from dataset.reading import opened
 
 __all__ = ["problems"]
 

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from dataset.atomic import locked, remove_leftovers, replacing
 from dataset.errors import FormatError
 from dataset.layout import number_attribute, read, text_attribute
-from dataset.storage import MapFile, begins_as_hdf5
+from dataset.reading import begins_as_hdf5
+from dataset.storage import MapFile
 from dataset.topomap import Nodes
 from roomseg.features import FEATURES, EdgeFeatures, FeatureParameters, features_and_variants
 from roomseg.labelled_map import LabelledMap, MapSketch

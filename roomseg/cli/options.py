@@ -71,7 +71,7 @@ def _is_map(path: Path) -> bool:
     """Whether there is a map, or another HDF5 file, of whatever name."""
     if not path.is_file():
         return False
-    from dataset.storage import begins_as_hdf5
+    from dataset.reading import begins_as_hdf5
 
     return begins_as_hdf5(path)
 

@@ -61,7 +61,7 @@ def _problems(path: Path) -> list[str]:
     if is_apartment(path):
         return _problems_of_apartment(path)
     from dataset import problems
-    from dataset.storage import open_map
+    from dataset.reading import open_map
 
     open_map(path).close()
     return list(problems(path))

@@ -256,7 +256,7 @@ def test_images_are_made_and_kept(folder, capsys):
     assert item["images_done"] == item["nodes"] > 20
     with MapFile(Path("homes", item["file"])) as file:
         assert file.preset == "quick"
-        means = file.images().mean(axis=(1, 2))
+        means = file.images[:].mean(axis=(1, 2))
     assert np.all(means > 20)
     before = contents("homes")
     capsys.readouterr()
