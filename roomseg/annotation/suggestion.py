@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from roomseg.annotation.cut import CuttableMap
+from roomseg.segmentation import affinity_of, edge_weights
 from roomseg.spectral import adjacency, spectral_clustering
 
 __all__ = ["dividing_line", "suggested_lines"]
@@ -33,10 +34,8 @@ BEYOND = 0.12
 """m; a line ends so far beyond the last edge that it crosses."""
 SHIFTS = np.linspace(-0.2, 0.2, 9)
 TURNS = np.radians(np.linspace(-20.0, 20.0, 9))
-LEAST_SUPPORT = 0.3
-"""Share of the edges that a suggested line crosses which the classifier marks."""
-FEWEST = 2
-"""A single edge makes no suggestion."""
+NEAR = 4.0
+"""m; no line goes on so far from the edges that it is for."""
 
 
 @dataclass(frozen=True)
@@ -68,39 +67,52 @@ class _Line:
         return place[own], which[own]
 
 
-def suggested_lines(canvas: CuttableMap, marked: Flags) -> Floats:
-    """Lines for the edges that a classifier marks.
+def suggested_lines(
+    canvas: CuttableMap, is_border: Flags, rho: float, rooms: int | None, seed: int
+) -> Floats:
+    """Lines where the rooms meet that a classifier's edges give.
+
+    A classifier marks far more edges than there are borders; the clustering finds those
+    that part the map (§2.4).
 
     Parameters
     ----------
     canvas : CuttableMap
-    marked : array, shape (e',)
-        Of the edges of ``canvas.graph``.
+    is_border : array, shape (e',)
+        What the classifier says of the edges of ``canvas.graph``.
+    rho : float
+        Its ρ.
+    rooms : int or None
+        How many rooms; None: as homes of that size have.
+    seed : int
+        For the starts of k-means.
 
     Returns
     -------
     array, shape (k, 2, 2)
-        m; those that cross the highest share of marked edges first.
+        m; those that cross most edges for which the classifier speaks first.
     """
+    affinity = affinity_of(canvas.graph, edge_weights(canvas.graph, is_border, rho))
+    count = rooms or usual_count(canvas.graph.node_count)
+    label = spectral_clustering(affinity, count, np.random.default_rng(seed))
     edges = canvas.graph.edges
     segments = canvas.position[edges]
-    found: list[tuple[float, Floats, set[int]]] = []
-    for group in _groups(segments[marked]):
-        if len(group) < FEWEST:
-            continue
-        line, crossed = _narrowest(segments[marked][group], segments)
-        support = float(marked[crossed].mean()) if len(crossed) else 0.0
-        if support >= LEAST_SUPPORT:
-            found.append((support, line, set(crossed.tolist())))
-    found.sort(key=lambda suggestion: -suggestion[0])
-    lines: list[Floats] = []
-    covered: set[int] = set()
-    for _, line, crossed_edges in found:
-        # Both faces of a doorway may have made a group.
-        if 2 * len(crossed_edges & covered) < len(crossed_edges):
-            covered |= crossed_edges
-            lines.append(line)
-    return np.round(np.array(lines).reshape(-1, 2, 2), 4)
+    meeting = label[edges[:, 0]] != label[edges[:, 1]]
+    found = []
+    for group in _groups(segments[meeting]):
+        line, crossed = _narrowest(segments[meeting][group], segments)
+        found.append((-int(is_border[crossed].sum()), line))
+    found.sort(key=lambda suggestion: suggestion[0])
+    return np.round(np.array([line for _, line in found]).reshape(-1, 2, 2), 4)
+
+
+def usual_count(node_count: int) -> int:
+    """Rooms of a home of that size, generously: a line too many is soon struck out.
+
+    Room counts grow as the root of the nodes, as Eq. 23 has it mainly; a sixth of it fits
+    the reference places.
+    """
+    return min(node_count, round(np.sqrt(node_count) / 6.0) + 1)
 
 
 def dividing_line(canvas: CuttableMap, nodes: Integers, seed: int) -> Floats | None:
@@ -154,6 +166,8 @@ def _narrowest(group: Floats, segments: Floats) -> tuple[Floats, Integers]:
     # The axis to which they are parallel, whichever way each of them points.
     along = np.linalg.eigh(step.T @ step)[1][:, 1]
     centre = np.median(group.mean(axis=1), axis=0)
+    nearby = np.flatnonzero((np.abs(segments[:, 0] - centre) < NEAR).all(axis=1))
+    segments = segments[nearby]
     best: tuple[float, _Line] | None = None
     for shift, turn in product(SHIFTS, TURNS):
         c, s = np.cos(turn), np.sin(turn)
@@ -169,4 +183,4 @@ def _narrowest(group: Floats, segments: Floats) -> tuple[Floats, Integers]:
     if not len(place):
         place = np.zeros(1)
     ends = np.array([place[0] - BEYOND, place[-1] + BEYOND])
-    return line.centre + ends[:, None] * line.across, which
+    return line.centre + ends[:, None] * line.across, nearby[which]

@@ -27,6 +27,7 @@ COMMANDS = {
     "expose": "Expose the images of maps again, without rendering.",
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",
+    "annotate": "Draw room borders on maps in the browser.",
     "evaluate": "Judge the method, leaving each environment out once.",
     "inspect": "Show what is in a map or an apartment.",
     "validate": "Tell everything that is wrong with maps and apartments.",
