@@ -148,7 +148,7 @@ class AnnotationPage:
         if self._border not in {border.id for border in annotation.drawing.borders}:
             self._border = None
         self.plot.show_cut(annotation.drawing, annotation.cut)
-        self.plot.show_rooms(annotation.room_of_node)
+        self.plot.show_rooms(annotation.drawing)
         self._show_selected()
         self.panel.show(annotation, self.plot.colour_of)
 
@@ -232,7 +232,7 @@ class AnnotationPage:
         number = int(self._annotation.room_of_node[node])
         if number in numbers:
             index = numbers.index(number)
-            shift = event.modifiers is not None and event.modifiers.shift
+            shift = bool(event.modifiers and event.modifiers["shift"])
             kept = set(chosen.indices) if shift else set()
             chosen.indices = sorted(kept ^ {index}) if shift else [index]
 

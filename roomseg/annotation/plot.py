@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from dataset.topomap import TopoMap
 from roomseg.annotation.cut import Cut, CuttableMap
 from roomseg.annotation.drawing import Drawing
+from roomseg.annotation.identity import room_of_nodes
 from roomseg.figures.style import (
     BORDER_BLACK,
     BORDER_EDGE_GREEN,
@@ -55,7 +56,6 @@ class MapPlot:
             sizing_mode="stretch_both",
             min_height=480,
             min_width=480,
-            output_backend="webgl",
             tools=[],
             toolbar_location="above",
             x_axis_label="x (m)",
@@ -158,6 +158,13 @@ class MapPlot:
             line_cap="round", line_join="round",
         )
 
+        self.titles = ColumnDataSource({"x": [], "y": [], "title": []}, name="titles")
+        plot.text(
+            "x", "y", text="title", source=self.titles, text_align="center",
+            text_baseline="middle", text_font_size="13px", text_font_style="bold",
+            text_outline_color="white", text_color="#111111",
+        )
+
     def metres_per_pixel(self) -> float:
         """How much of the map one pixel shows; a guess until the browser has told."""
         span, width = self.figure.x_range, self.figure.inner_width
@@ -166,9 +173,21 @@ class MapPlot:
         except (TypeError, ValueError, ZeroDivisionError):
             return 0.01
 
-    def show_rooms(self, room_of_node: NDArray[np.int64]) -> None:
-        """Colour the nodes by the numbers of their rooms."""
-        colour = ((room_of_node - 1) % PALETTE_SIZE).astype(np.int32)
+    def show_rooms(self, drawing: Drawing) -> None:
+        """Colour the nodes by the numbers of their rooms, and write the rooms' titles."""
+        position = self._canvas.position
+        number = room_of_nodes(drawing, len(position))
+        titles: dict[str, list[Any]] = {"x": [], "y": [], "title": []}
+        for room in drawing.active_rooms:
+            # The node nearest to the median lies inside the room.
+            own = position[room.indices()]
+            nearest = np.linalg.norm(own - np.median(own, axis=0), axis=1).argmin()
+            titles["x"].append(own[nearest, 0])
+            titles["y"].append(own[nearest, 1])
+            titles["title"].append(room.title)
+        if titles != self.titles.data:
+            self.titles.data = titles
+        colour = ((number - 1) % PALETTE_SIZE).astype(np.int32)
         if not np.array_equal(colour, self.nodes.data["colour"]):
             self.nodes.patch({"colour": [(slice(len(colour)), colour)]})
 

@@ -32,6 +32,9 @@ __all__ = ["Annotation", "Confirmation"]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+SAME = 0.35
+"""m; a suggestion so near to a border that is drawn is for the same one."""
+
 
 @dataclass(frozen=True)
 class Confirmation:
@@ -126,13 +129,11 @@ class Annotation:
         return room_of_nodes(self.drawing, len(self.topomap.nodes))
 
     def open_suggestions(self) -> Integers:
-        """Which suggestions are neither struck out nor drawn already."""
-        struck = set(self.drawing.struck)
-        line, edge = self._suggested
+        """Which suggestions are neither struck out nor drawn already, or nearly so."""
+        struck, drawn = set(self.drawing.struck), self.drawing.segments
         is_open = [
-            checked_line(self.suggestions[index]) not in struck
-            and not self.cut.edge_is_border[edge[line == index]].all()
-            for index in range(len(self.suggestions))
+            checked_line(line) not in struck and not any(_alike(line, other) for other in drawn)
+            for line in self.suggestions
         ]
         return np.flatnonzero(is_open)
 
@@ -211,10 +212,6 @@ class Annotation:
         for watcher in tuple(self.watchers):
             watcher()
 
-    @property
-    def _suggested(self) -> tuple[Integers, Integers]:
-        return self.canvas.crossings(self.suggestions)
-
     # The clustering.
 
     def pending(self) -> Callable[[], Confirmation]:
@@ -262,6 +259,14 @@ class Annotation:
         self.saved = self.drawing
         self._tell()
         return f"Saved {lines} and {self.count} rooms into {self.path.name}."
+
+
+def _alike(line: Floats, other: Floats) -> bool:
+    """Whether two lines, shape (2, 2), are for one border: close together, about parallel."""
+    step, way = line[1] - line[0], other[1] - other[0]
+    share = np.clip((line.mean(axis=0) - other[0]) @ way / (way @ way), 0.0, 1.0)
+    off = np.linalg.norm(other[0] + share * way - line.mean(axis=0))
+    return bool(off < SAME and abs(step @ way) > 0.7 * np.linalg.norm(step) * np.linalg.norm(way))
 
 
 def _said(drawing: Drawing) -> Any:
