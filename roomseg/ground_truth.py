@@ -147,9 +147,7 @@ def cut_pieces(topomap: TopoMap, graph: MapGraph, edge_is_border: Flags) -> Piec
     return Pieces(piece, size, 2 * touching >= size)
 
 
-def _confirmed(
-    topomap: TopoMap, graph: MapGraph, truth: GroundTruth, labels: Integers
-) -> Integers:
+def _confirmed(topomap: TopoMap, graph: MapGraph, truth: GroundTruth, labels: Integers) -> Integers:
     """Confirm the clustering's labels, or take the pieces'; see the module's text."""
     pieces, count = cut_pieces(topomap, graph, truth.edge_is_border), truth.room_count
     size, rooms = pieces.size, pieces.largest(truth.room_count)

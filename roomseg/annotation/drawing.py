@@ -34,7 +34,7 @@ class Border:
 
     @property
     def length(self) -> float:
-        """m."""
+        """M."""
         x0, y0, x1, y1 = self.ends
         return float(np.hypot(x1 - x0, y1 - y0))
 

@@ -132,7 +132,8 @@ class AnnotationPage:
         panel.mode.on_change("active", self._set_mode)
         panel.count.on_change("value_throttled", self._give_count)
         panel.automatic.on_change("active", self._give_count)
-        panel.rooms.on_change("data", self._renamed)
+        panel.rooms.selected.on_change("indices", self._show_title)
+        panel.title.on_change("value", self._rename)
         panel.layers.on_change("active", self._set_layers)
         assert self._document is not None
         self._document.js_on_event(
@@ -316,13 +317,12 @@ class AnnotationPage:
         self._try(lambda: self._annotation.give_count(count))
         self.panel.show(self._annotation, self.plot.colour_of)
 
-    def _renamed(self, attribute: str, old: Any, new: Any) -> None:
-        """A name in the table was changed; more than names cannot be."""
-        if self.panel.is_showing:
-            return
-        for room, name in zip(self._annotation.drawing.active_rooms, new["name"], strict=False):
-            if str(name) not in (room.title, room.name):
-                self._try(lambda room=room, name=name: self._annotation.rename(room.id, str(name)))
-        self.panel.show(self._annotation, self.plot.colour_of)
+    def _show_title(self, attribute: str, old: Any, new: Any) -> None:
+        rooms = self._annotation.drawing.active_rooms
+        single = len(new) == 1 and new[0] < len(rooms)
+        self.panel.show_title(rooms[new[0]] if single else None)
 
-
+    def _rename(self, attribute: str, old: Any, new: Any) -> None:
+        if not self.panel.is_showing:
+            (number,) = self._chosen_rooms(1)
+            self._try(lambda: self._annotation.rename(number, str(new)))

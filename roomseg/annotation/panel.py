@@ -19,10 +19,11 @@ from bokeh.models import (
     NumberFormatter,
     RadioButtonGroup,
     Spinner,
-    StringEditor,
     TableColumn,
+    TextInput,
 )
 
+from roomseg.annotation.drawing import Room
 from roomseg.annotation.plot import LAYERS, SHOWN_AT_FIRST
 from roomseg.annotation.session import Annotation
 
@@ -84,6 +85,9 @@ class Panel:
         self.count = Spinner(low=1, high=most, step=1, width=70, name="count")
         self.automatic = Checkbox(label="as many as the borders cut off", active=True, name="auto")
         self.rooms = ColumnDataSource({"colour": [], "name": [], "nodes": []}, name="rooms")
+        self.title = TextInput(
+            placeholder="name of the selected room", width=WIDTH - 25, disabled=True, name="title"
+        )
         self.layers = CheckboxButtonGroup(
             labels=list(LAYERS), active=[LAYERS.index(name) for name in SHOWN_AT_FIRST]
         )
@@ -101,6 +105,7 @@ class Panel:
             _text("<h2>Rooms</h2>"),
             row(self.count, self.automatic),
             self._table(),
+            self.title,
             row(b["split"], b["merge"]),
             *(suggestions if with_suggestions else []),
             self.layers,
@@ -121,10 +126,7 @@ class Panel:
                 formatter=HTMLTemplateFormatter(template=SWATCH),
                 sortable=False,
             ),
-            TableColumn(
-                field="name", title="name (double click)", width=210, editor=StringEditor(),
-                sortable=False,
-            ),
+            TableColumn(field="name", title="name", width=210, sortable=False),
             TableColumn(
                 field="nodes", title="nodes", width=60, formatter=NumberFormatter(), sortable=False
             ),
@@ -132,11 +134,11 @@ class Panel:
         return DataTable(
             source=self.rooms,
             columns=columns,
-            editable=True,
+            editable=False,
             index_position=None,
             reorderable=False,
             width=WIDTH - 25,
-            height=190,
+            height=170,
             row_height=24,
             autosize_mode="none",
         )
@@ -173,6 +175,13 @@ class Panel:
         if data != self.rooms.data:
             self.rooms.data = data
 
+    def show_title(self, room: Room | None) -> None:
+        """Let the name of a room be typed; None: no single one is selected."""
+        self.is_showing = True
+        self.title.value = "" if room is None else room.name
+        self.title.disabled = room is None
+        self.is_showing = False
+
     def show_selected(self, border: int | None, suggestion: int | None, left: int) -> None:
         """Enable what can be done with what is selected."""
         self.buttons["delete"].disabled = border is None
@@ -183,9 +192,7 @@ class Panel:
 
 
 def _text(html: str = "", name: str = "") -> Div:
-    return Div(
-        text=html, name=name, width=WIDTH - 25, stylesheets=[InlineStyleSheet(css=STYLE)]
-    )
+    return Div(text=html, name=name, width=WIDTH - 25, stylesheets=[InlineStyleSheet(css=STYLE)])
 
 
 def _status(annotation: Annotation) -> str:

@@ -29,7 +29,6 @@ from roomseg.figures.style import (
     BORDER_BLACK,
     BORDER_EDGE_GREEN,
     OBSTACLE_BLUE,
-    TRAVEL_GREY,
     room_colours,
 )
 
@@ -149,20 +148,40 @@ class MapPlot:
             plot.segment("x0", "y0", "x1", "y1", source=self.segments[name], **look)
         self.handles = ColumnDataSource({"x": [], "y": []}, name="handles")
         plot.scatter(
-            "x", "y", source=self.handles, size=8, fill_color="white", line_color=BORDER_BLACK,
+            "x",
+            "y",
+            source=self.handles,
+            size=8,
+            fill_color="white",
+            line_color=BORDER_BLACK,
             line_width=1.5,
         )
         self.leaks = ColumnDataSource({"xs": [], "ys": []}, name="leaks")
         plot.multi_line(
-            "xs", "ys", source=self.leaks, color=LEAK_RED, line_width=5, alpha=0.75,
-            line_cap="round", line_join="round",
+            "xs",
+            "ys",
+            source=self.leaks,
+            color=LEAK_RED,
+            line_width=5,
+            alpha=0.75,
+            line_cap="round",
+            line_join="round",
         )
 
         self.titles = ColumnDataSource({"x": [], "y": [], "title": []}, name="titles")
         plot.text(
-            "x", "y", text="title", source=self.titles, text_align="center",
-            text_baseline="middle", text_font_size="13px", text_font_style="bold",
-            text_outline_color="white", text_color="#111111",
+            "x",
+            "y",
+            text="title",
+            source=self.titles,
+            text_align="center",
+            text_baseline="middle",
+            text_font_size="13px",
+            text_font_style="bold",
+            background_fill_color="white",
+            background_fill_alpha=0.8,
+            padding=3,
+            border_radius=4,
         )
 
     def metres_per_pixel(self) -> float:

@@ -71,8 +71,11 @@ class AnnotationServer:
             extra_websocket_origins=hosts,
             extra_patterns=[
                 (r"/", web.RedirectHandler, {"url": "/map0", "permanent": False}),
-                (r"/image/(\d{1,4})/(\d{1,8})/(fisheye|panorama)\.png", ImageHandler,
-                 {"images": self._images}),
+                (
+                    r"/image/(\d{1,4})/(\d{1,8})/(fisheye|panorama)\.png",
+                    ImageHandler,
+                    {"images": self._images},
+                ),
             ],
             use_index=False,
             websocket_max_message_size_bytes=2**20,

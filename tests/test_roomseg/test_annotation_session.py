@@ -12,17 +12,24 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_ground_truth import rows_map
 
-from dataset import GroundTruth, RoomsegError, problems, read_map, write_map, write_rooms
+from dataset import GroundTruth, RoomsegError, TopoMap, problems, read_map, write_map, write_rooms
 from roomseg.annotation.journal import journal_path
 from roomseg.annotation.session import Annotation
 
 ACROSS = {x: (x, -0.2, x, 1.1) for x in (0.95, 1.95, 2.95)}
 
 
+def corridor() -> TopoMap:
+    """Without a ground truth, its edges in order as a file has them."""
+    topomap = rows_map((), 1)
+    edges = topomap.edges[np.lexsort(topomap.edges.T[::-1])]
+    return replace(topomap, edges=edges, ground_truth=None)
+
+
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     file = tmp_path / "corridor.h5"
-    write_map(file, replace(rows_map((), 1), ground_truth=None))
+    write_map(file, corridor())
     return file
 
 
@@ -49,7 +56,9 @@ def test_what_is_saved_is_what_was_drawn(path: Path) -> None:
     assert not journal_path(path).exists()
     with Annotation(path) as again:
         assert [(r.title, r.size) for r in again.drawing.active_rooms] == [
-            ("room 1", 40), ("hall", 80), ("room 3", 40),
+            ("room 1", 40),
+            ("hall", 80),
+            ("room 3", 40),
         ]
         assert not again.unsaved and not again.notice
 
@@ -72,6 +81,22 @@ def test_everything_is_kept_at_once(path: Path) -> None:
         assert [room.name for room in again.drawing.active_rooms if room.name] == []
 
 
+def edit(annotation: Annotation, step: str, number: int) -> None:
+    """One of the edits; the number makes it another one each time."""
+    x, borders = 0.55 + 0.3 * number, annotation.drawing.borders
+    edits = {
+        "draw": lambda: annotation.draw((x, -0.2, x, 1.1)),
+        "move": lambda: borders and annotation.move(borders[-1].id, (x, -0.3, x, 1.1)),
+        "delete": lambda: borders and annotation.delete([borders[0].id]),
+        "count": lambda: annotation.give_count(number % 3 or None),
+        "name": lambda: annotation.rename(annotation.drawing.active_rooms[0].id, f"no {number}"),
+        "strike": lambda: annotation.strike(0),
+        "undo": annotation.undo,
+        "redo": annotation.redo,
+    }
+    edits[step]()
+
+
 @settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -86,29 +111,12 @@ def test_any_edits_are_found_again_but_for_a_torn_last_one(
     tmp_path_factory: pytest.TempPathFactory, steps: list[str], torn: int
 ) -> None:
     path = tmp_path_factory.mktemp("edits") / "corridor.h5"
-    write_map(path, replace(rows_map((), 1), ground_truth=None))
+    write_map(path, corridor())
     suggestions = np.array([[[3.55, -0.2], [3.55, 1.1]]])
     annotation = Annotation(path, suggestions)
     states = [annotation.history]
     for number, step in enumerate(steps):
-        x = 0.55 + 0.3 * number
-        borders = annotation.drawing.borders
-        if step == "draw":
-            annotation.draw((x, -0.2, x, 1.1))
-        elif step == "move" and borders:
-            annotation.move(borders[-1].id, (x, -0.3, x, 1.1))
-        elif step == "delete" and borders:
-            annotation.delete([borders[0].id])
-        elif step == "count":
-            annotation.give_count(1 + number % 3 or None)
-        elif step == "name":
-            annotation.rename(annotation.drawing.active_rooms[0].id, f"room of {number}")
-        elif step == "strike":
-            annotation.strike(0)
-        elif step == "undo":
-            annotation.undo()
-        elif step == "redo":
-            annotation.redo()
+        edit(annotation, step, number)
         if annotation.history != states[-1]:
             states.append(annotation.history)
     annotation.close()
@@ -187,10 +195,14 @@ def test_borders_of_the_plan_are_carried_over(tmp_path: Path) -> None:
         assert annotation.count == 3 and not annotation.cut.leaks
         confirm(annotation)
         rooms = annotation.room_of_node
-        assert sum(
-            np.bincount(topomap.ground_truth.room[rooms == r.id]).max()
-            for r in annotation.drawing.active_rooms
-        ) / len(rooms) > 0.97
+        assert (
+            sum(
+                np.bincount(topomap.ground_truth.room[rooms == r.id]).max()
+                for r in annotation.drawing.active_rooms
+            )
+            / len(rooms)
+            > 0.97
+        )
     with Annotation(path, afresh=True) as annotation:
         assert annotation.count == 1 and not annotation.drawing.borders
 
