@@ -313,11 +313,12 @@ def _decode_ground_truth(file: h5py.File) -> GroundTruth:
         edge_is_border=read(file, "ground_truth/edge_is_border", "b"),
         room_count=int(number_attribute(file["ground_truth"], "room_count")),
         room=read(file, "ground_truth/room", "i") if has_room else None,
-        room_names=_decode_names(file["ground_truth"]),
+        room_names=decode_names(file["ground_truth"]),
     )
 
 
-def _decode_names(group: h5py.Group) -> tuple[str, ...] | None:
+def decode_names(group: h5py.Group) -> tuple[str, ...] | None:
+    """Read the rooms' names, if they have any; FormatError if they are no texts."""
     names = group.attrs.get("room_names")
     if names is None:
         return None

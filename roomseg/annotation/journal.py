@@ -13,7 +13,6 @@ import hashlib
 import json
 import os
 from contextlib import ExitStack
-from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
@@ -43,6 +42,10 @@ def _fingerprint(topomap: TopoMap) -> str:
     digest = hashlib.sha256(topomap.nodes.position.tobytes())
     digest.update(topomap.edges.tobytes())
     return digest.hexdigest()
+
+
+def _line(content: Any) -> bytes:
+    return json.dumps(content, separators=(",", ":")).encode()
 
 
 class AnnotationJournal:
@@ -102,7 +105,8 @@ class AnnotationJournal:
         try:
             if self._stream is None:
                 self._stream = self._opened()
-            self._write(self._stream, asdict(step) if isinstance(step, Drawing) else step)
+            whole = _DRAWING.dump_json(step) if isinstance(step, Drawing) else _line(step)
+            self._write(self._stream, whole)
         except OSError as error:
             raise unwritten(self.path, error) from error
 
@@ -127,14 +131,15 @@ class AnnotationJournal:
         stream = self.path.open("ab", buffering=0)
         if new:
             head = {"format": FORMAT, "version": VERSION, "map": self._map}
-            self._write(stream, head | {"base": asdict(self._base)})
+            base = _DRAWING.dump_python(self._base, mode="json")
+            self._write(stream, _line(head | {"base": base}))
             force_to_disk(self.path.parent)
         return stream
 
-    def _write(self, stream: IO[bytes], content: Any) -> None:
+    def _write(self, stream: IO[bytes], line: bytes) -> None:
         size = stream.seek(0, os.SEEK_END)
         try:
-            stream.write(json.dumps(content, separators=(",", ":")).encode() + b"\n")
+            stream.write(line + b"\n")
             os.fsync(stream.fileno())
         except OSError:
             # Of a full disk: half a line would spoil the next one.

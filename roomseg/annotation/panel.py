@@ -9,6 +9,7 @@ from typing import Any
 from bokeh.layouts import column, row
 from bokeh.models import (
     Button,
+    CDSView,
     Checkbox,
     CheckboxButtonGroup,
     ColumnDataSource,
@@ -85,6 +86,7 @@ class Panel:
         self.count = Spinner(low=1, high=most, step=1, width=70, name="count")
         self.automatic = Checkbox(label="as many as the borders cut off", active=True, name="auto")
         self.rooms = ColumnDataSource({"colour": [], "name": [], "nodes": []}, name="rooms")
+        self._table = self._made_table()
         self.title = TextInput(
             placeholder="name of the selected room", width=WIDTH - 25, disabled=True, name="title"
         )
@@ -104,7 +106,7 @@ class Panel:
             self.status,
             _text("<h2>Rooms</h2>"),
             row(self.count, self.automatic),
-            self._table(),
+            self._table,
             self.title,
             row(b["split"], b["merge"]),
             *(suggestions if with_suggestions else []),
@@ -117,7 +119,7 @@ class Panel:
             styles={"overflow-y": "auto", "padding": "6px 10px", "background": "#F4F4F2"},
         )
 
-    def _table(self) -> DataTable:
+    def _made_table(self) -> DataTable:
         columns = [
             TableColumn(
                 field="colour",
@@ -174,6 +176,8 @@ class Panel:
         }
         if data != self.rooms.data:
             self.rooms.data = data
+            # Bokeh's table draws itself anew if its number of rows changes, or its view.
+            self._table.view = CDSView()
 
     def show_title(self, room: Room | None) -> None:
         """Let the name of a room be typed; None: no single one is selected."""
