@@ -129,7 +129,8 @@ class Pieces:
     def largest(self, count: int) -> Integers:
         """The pieces that are rooms if there are so many of them, strips last."""
         # A strip across a wide passage may have more nodes than a tiny room.
-        return np.lexsort((-self.size, self.is_strip))[:count]
+        order: Integers = np.lexsort((-self.size, self.is_strip))
+        return order[:count]
 
 
 def cut_pieces(topomap: TopoMap, graph: MapGraph, edge_is_border: Flags) -> Pieces:

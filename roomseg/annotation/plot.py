@@ -240,7 +240,8 @@ class MapPlot:
 def _thinned(points: Floats) -> Floats:
     """One point of each cell."""
     _, first = np.unique(np.round(points / CELL).astype(np.int64), axis=0, return_index=True)
-    return points[np.sort(first)]
+    thinned: Floats = points[np.sort(first)]
+    return thinned
 
 
 def _lines(plot: Any, segments: Floats, colour: str, width: float) -> Any:

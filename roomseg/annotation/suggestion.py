@@ -112,7 +112,7 @@ def usual_count(node_count: int) -> int:
     Room counts grow as the root of the nodes, as Eq. 23 has it mainly; a sixth of it fits
     the reference places.
     """
-    return min(node_count, round(np.sqrt(node_count) / 6.0) + 1)
+    return min(node_count, round(float(np.sqrt(node_count)) / 6.0) + 1)
 
 
 def dividing_line(canvas: CuttableMap, nodes: Integers, seed: int) -> Floats | None:

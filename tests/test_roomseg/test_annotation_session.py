@@ -43,7 +43,7 @@ def test_what_is_saved_is_what_was_drawn(path: Path) -> None:
     with Annotation(path) as annotation:
         annotation.draw(ACROSS[0.95])
         annotation.draw(ACROSS[2.95])
-        annotation.rename(2, "hall")
+        annotation.rename(1, "hall")  # the larger part stays room 1 each time
         assert annotation.unsaved
         assert "2 borders and 3 rooms" in annotation.save()
         assert not annotation.unsaved
@@ -97,9 +97,7 @@ def edit(annotation: Annotation, step: str, number: int) -> None:
     edits[step]()
 
 
-@settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     steps=st.lists(
         st.sampled_from(["draw", "move", "delete", "undo", "redo", "count", "name", "strike"]),
