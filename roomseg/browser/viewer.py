@@ -241,7 +241,7 @@ def _run(plot: Any, drawn: _Drawn) -> None:
         poses.append(("true path", path.true_pose, "#E66101"))
     for name, pose, colour in poses:
         x, y = pose[:: _step(path), 0], pose[:: _step(path), 1]
-        line = plot.line(x, y, color=colour, alpha=0.8, legend_label=name)
+        line = plot.line(x, y, color=colour, line_width=2, legend_label=name, name="path")
         line.visible = False
         drawn.paths.append(_Track(line, x, y))
 
