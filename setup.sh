@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets up everything that roomseg needs beside Python 3.11: the virtual environment .venv with
-# pinned packages, and the shared libraries that Blender's Python module loads.
+# pinned packages, the shared libraries that Blender's Python module loads, and Chromium for tests.
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -27,5 +27,11 @@ if ! loads 2>/dev/null && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; t
     { apt-get update -qq && apt-get install -y -qq --no-install-recommends $packages; } >/dev/null || true
 fi
 loads || exit 2
+
+# The tests of the browser pages drive Chromium; without it they are left out.
+if ! command -v chromium >/dev/null && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+    echo "setup: installing chromium for the tests"
+    { apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium; } >/dev/null || true
+fi
 touch .venv/ready
 echo "setup: ready; use it with: . .venv/bin/activate"

@@ -6,7 +6,7 @@ from dataset.errors import FormatError, RoomsegError
 from dataset.frames import Radiance
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
-from dataset.storage import Images, MapFile, Rooms, read_map, write_map, write_rooms
+from dataset.storage import Images, MapFile, Rooms, read_map, write_ground_truth, write_map, write_rooms
 from dataset.storage import open_file as open
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 from dataset.validation import problems
@@ -38,6 +38,7 @@ __all__ = [
     "problems",
     "read_map",
     "summarise",
+    "write_ground_truth",
     "write_map",
     "write_rooms",
 ]

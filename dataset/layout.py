@@ -51,7 +51,7 @@ def encode_map(file: h5py.File, topomap: TopoMap) -> None:
     if topomap.scene is not None:
         file.create_dataset("scene", data=topomap.scene, dtype=h5py.string_dtype())
     if topomap.ground_truth is not None:
-        _encode_ground_truth(file.create_group("ground_truth"), topomap.ground_truth)
+        encode_ground_truth(file.create_group("ground_truth"), topomap.ground_truth)
 
 
 def _put(group: h5py.Group, name: str, array: Any, dtype: Any, unit: str | None = None) -> None:
@@ -118,8 +118,11 @@ def _encode_settings(group: h5py.Group, settings: Settings) -> None:
     group.attrs["unit"] = SETTINGS_UNITS
 
 
-def _encode_ground_truth(group: h5py.Group, truth: GroundTruth) -> None:
+def encode_ground_truth(group: h5py.Group, truth: GroundTruth) -> None:
+    """Write what a person says about the map into its empty group."""
     group.attrs["room_count"] = int(truth.room_count)
+    if truth.room_names is not None:
+        group.attrs["room_names"] = np.array(truth.room_names, dtype=h5py.string_dtype())
     _put(group, "borders", truth.borders, "<f8", "m")
     group["borders"].attrs["frame"] = truth.frame
     _put(group, "edge_is_border", truth.edge_is_border, "?")
@@ -310,4 +313,15 @@ def _decode_ground_truth(file: h5py.File) -> GroundTruth:
         edge_is_border=read(file, "ground_truth/edge_is_border", "b"),
         room_count=int(number_attribute(file["ground_truth"], "room_count")),
         room=read(file, "ground_truth/room", "i") if has_room else None,
+        room_names=decode_names(file["ground_truth"]),
     )
+
+
+def decode_names(group: h5py.Group) -> tuple[str, ...] | None:
+    """Read the rooms' names, if they have any; FormatError if they are no texts."""
+    names = group.attrs.get("room_names")
+    if names is None:
+        return None
+    if np.ndim(names) != 1 or not all(isinstance(name, str) for name in names):
+        raise FormatError(f"attribute room_names of {group.name}: {names!r}, expected texts")
+    return tuple(names)

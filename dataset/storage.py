@@ -27,6 +27,7 @@ from dataset.layout import (
     array_of,
     decode_camera,
     decode_map,
+    encode_ground_truth,
     encode_map,
     number_attribute,
     read,
@@ -40,10 +41,10 @@ from dataset.tables import (
     node_columns,
     obstacle_columns,
 )
-from dataset.topomap import TopoMap
+from dataset.topomap import GroundTruth, TopoMap
 from dataset.writing import created
 
-__all__ = ["Images", "MapFile", "Rooms", "open_file", "read_map", "write_map", "write_rooms"]
+__all__ = ["Images", "MapFile", "Rooms", "open_file", "read_map", "write_ground_truth", "write_map", "write_rooms"]
 
 OWN_CAMERA = "own_camera"
 """Keeps the camera that a map had before its images were made with another one."""
@@ -382,3 +383,19 @@ def write_rooms(path: str | Path, label: ArrayLike, *, model: str, rooms: int) -
         group.create_dataset("label", data=labels)
         group.attrs["model"] = model
         group.attrs["rooms"] = int(rooms)
+
+
+def write_ground_truth(path: str | Path, truth: GroundTruth) -> None:
+    """Write what a person says about a map into its file, in place of what was said before.
+
+    Raises
+    ------
+    FormatError
+        If it is not of as many edges and nodes as the map has.
+    RoomsegError
+        If another process is writing to the file.
+    """
+    with locked(path), rewriting(path, without=["ground_truth"]) as (source, target):
+        with errors_of(path):
+            decode_map(source).with_ground_truth(truth)
+        encode_ground_truth(target.create_group("ground_truth"), truth)

@@ -149,7 +149,8 @@ class GroundTruth:
     borders (b, 2, 2) m: border segments in ``frame`` ('scene': crossed by
     true poses; 'map': crossed by estimates). edge_is_border (e,): edges that
     cross one. room (n,): room label of each node, or None before labelling.
-    room_count: the number of rooms that the operator gives.
+    room_count: the number of rooms that the operator gives. room_names: what they
+    are called, one for each label of ``room``, or None.
     """
 
     borders: Floats
@@ -157,6 +158,7 @@ class GroundTruth:
     edge_is_border: NDArray[np.bool_]
     room_count: int
     room: Ints | None = None
+    room_names: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -172,6 +174,11 @@ class GroundTruth:
             raise FormatError(f"ground_truth room_count: {self.room_count}, expected >= 1")
         if self.room is not None:
             put(self, "room", _check("ground_truth/room", self.room, np.int32, (None,)))
+        if self.room_names is not None and len(self.room_names) != self.room_count:
+            raise FormatError(
+                f"ground_truth room_names: {len(self.room_names)} names, "
+                f"expected {self.room_count}, one per room"
+            )
 
 
 @dataclass(frozen=True)

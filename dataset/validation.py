@@ -23,6 +23,7 @@ from dataset.image_checks import image_problems, radiance_problems
 from dataset.layout import (
     VISIT,
     decode_camera,
+    decode_names,
     decode_settings,
     number_attribute,
     text_attribute,
@@ -294,11 +295,18 @@ def _check_ground_truth(file: h5py.File, sound: Sound) -> Iterator[str]:
         if frame not in ("scene", "map"):
             yield f"attribute frame of /ground_truth/borders: {frame!r}, expected scene or map"
     yield from faults
+    yield from _refusal(partial(_check_names, truth))
     room = sound.get("ground_truth/room")
     if not faults:
         count = int(number_attribute(truth, "room_count"))
         labels = None if room is None else room[()]
         yield from _check_labels("ground_truth/room", labels, count, "room_count")
+
+
+def _check_names(truth: h5py.Group) -> None:
+    names, count = decode_names(truth), truth.attrs.get("room_count")
+    if names is not None and len(names) != count:
+        raise FormatError(f"attribute room_names of /ground_truth: {len(names)}, expected {count}")
 
 
 def _check_labels(

@@ -21,7 +21,7 @@ which border edges tie it most.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,15 @@ from roomseg.preprocessing import MapGraph, preprocess
 from roomseg.segmentation import affinity_of
 from roomseg.spectral import adjacency, first_node_order, spectral_clustering
 
-__all__ = ["BORDER_WEIGHT", "known_truth", "label_rooms"]
+__all__ = [
+    "BORDER_WEIGHT",
+    "Pieces",
+    "cut_pieces",
+    "known_truth",
+    "label_rooms",
+    "rooms_by_clustering",
+    "rooms_of_pieces",
+]
 
 BORDER_WEIGHT = 1e-4
 
@@ -82,53 +90,84 @@ def label_rooms(topomap: TopoMap, seed: int | None = None) -> TopoMap:
     truth = known_truth(topomap)
     graph = preprocess(topomap)
     is_border = truth.edge_is_border[graph.kept]
-    rng = np.random.default_rng(topomap.seed if seed is None else seed)
     if not 1 <= truth.room_count <= graph.node_count:
         raise FormatError(
             f"ground_truth room_count: {truth.room_count}, expected 1..{graph.node_count}"
         )
-    weights = np.where(is_border, BORDER_WEIGHT, 1.0)
-    labels = spectral_clustering(affinity_of(graph, weights), truth.room_count, rng)
-    labels = _confirmed(topomap, graph, is_border, labels, truth.room_count)
+    rng = np.random.default_rng(topomap.seed if seed is None else seed)
+    labels = rooms_by_clustering(graph, is_border, truth.room_count, rng)
+    labels = _confirmed(topomap, graph, truth, labels)
     return topomap.with_ground_truth(replace(truth, room=labels.astype(np.int32)))
 
 
-def _confirmed(
-    topomap: TopoMap, graph: MapGraph, is_border: Flags, labels: Integers, rooms: int
+def rooms_by_clustering(
+    graph: MapGraph, is_border: Flags, rooms: int, rng: np.random.Generator
 ) -> Integers:
-    """Confirm the clustering's labels, or take the pieces'; see the module's text."""
-    piece, size = _pieces(topomap, graph, is_border)
-    touching = np.bincount(piece[np.unique(graph.edges[is_border])], minlength=len(size))
-    # A strip across a wide passage may have more nodes than a tiny room: strips come last.
-    by_size = np.lexsort((-size, 2 * touching >= size))
-    name = f"{topomap.environment}/{topomap.run}"
-    if len(size) < rooms:
-        raise FormatError(
-            f"{name}: ground_truth/borders cut the map into {len(size)} pieces, "
-            f"expected at least the room_count {rooms}"
-        )
-    surplus = (2 * touching < size) & (2 * size >= size[by_size[rooms - 1]])
-    surplus[by_size[:rooms]] = False
-    if surplus.any():
-        raise FormatError(
-            f"{name}: ground_truth/borders cut the map into {rooms + surplus.sum()} rooms, "
-            f"expected the room_count {rooms}"
-        )
-    if _follows_pieces(labels, piece, by_size[:rooms]):
-        return labels
-    return _labels_of_pieces(graph, is_border, piece, by_size[:rooms])
+    """Spectral clustering with weight 10⁻⁴ for border edges, as the paper has it, shape (n,)."""
+    weights = np.where(is_border, BORDER_WEIGHT, 1.0)
+    return spectral_clustering(affinity_of(graph, weights), rooms, rng)
 
 
-def _pieces(topomap: TopoMap, graph: MapGraph, is_border: Flags) -> tuple[Integers, Integers]:
-    """Piece of each node without the border edges, shape (n,), and nodes of each piece.
+@dataclass(frozen=True)
+class Pieces:
+    """What the map falls into without its border edges.
+
+    Attributes
+    ----------
+    piece : array, shape (n,)
+        Piece of each node.
+    size : array, shape (p,)
+        Its nodes.
+    is_strip : array, shape (p,)
+        Whether at least half of them touch a border edge: a strip within a passage.
+    """
+
+    piece: Integers
+    size: Integers
+    is_strip: Flags
+
+    def largest(self, count: int) -> Integers:
+        """The pieces that are rooms if there are so many of them, strips last."""
+        # A strip across a wide passage may have more nodes than a tiny room.
+        order: Integers = np.lexsort((-self.size, self.is_strip))
+        return order[:count]
+
+
+def cut_pieces(topomap: TopoMap, graph: MapGraph, edge_is_border: Flags) -> Pieces:
+    """Cut the map's border edges, shape (e,).
 
     Parts of a map that no edge joins at all are joined as for the clustering.
     """
-    inner = topomap.edges[~known_truth(topomap).edge_is_border].astype(np.int64)
+    is_border = edge_is_border[graph.kept]
+    inner = topomap.edges[~edge_is_border].astype(np.int64)
     joined = affinity_of(graph, np.where(is_border, BORDER_WEIGHT, 1.0)) > BORDER_WEIGHT
     joined = joined + adjacency(graph.node_count, inner, np.ones(len(inner)))
     piece = connected_components(joined, directed=False)[1].astype(np.int64)
-    return piece, np.bincount(piece)
+    size = np.bincount(piece)
+    touching = np.bincount(piece[np.unique(graph.edges[is_border])], minlength=len(size))
+    return Pieces(piece, size, 2 * touching >= size)
+
+
+def _confirmed(topomap: TopoMap, graph: MapGraph, truth: GroundTruth, labels: Integers) -> Integers:
+    """Confirm the clustering's labels, or take the pieces'; see the module's text."""
+    pieces, count = cut_pieces(topomap, graph, truth.edge_is_border), truth.room_count
+    size, rooms = pieces.size, pieces.largest(truth.room_count)
+    name = f"{topomap.environment}/{topomap.run}"
+    if len(size) < count:
+        raise FormatError(
+            f"{name}: ground_truth/borders cut the map into {len(size)} pieces, "
+            f"expected at least the room_count {count}"
+        )
+    surplus = ~pieces.is_strip & (2 * size >= size[rooms[-1]])
+    surplus[rooms] = False
+    if surplus.any():
+        raise FormatError(
+            f"{name}: ground_truth/borders cut the map into {count + surplus.sum()} rooms, "
+            f"expected the room_count {count}"
+        )
+    if _follows_pieces(labels, pieces.piece, rooms):
+        return labels
+    return rooms_of_pieces(graph, truth.edge_is_border[graph.kept], pieces, count)
 
 
 def _follows_pieces(labels: Integers, piece: Integers, rooms: Integers) -> bool:
@@ -138,10 +177,9 @@ def _follows_pieces(labels: Integers, piece: Integers, rooms: Integers) -> bool:
     return bool((labels == of_piece[piece]).all() and len(set(of_piece[rooms])) == len(rooms))
 
 
-def _labels_of_pieces(
-    graph: MapGraph, is_border: Flags, piece: Integers, rooms: Integers
-) -> Integers:
+def rooms_of_pieces(graph: MapGraph, is_border: Flags, pieces: Pieces, count: int) -> Integers:
     """Rooms are the largest pieces; strips join the room they have most edges to, in turn."""
+    piece, rooms = pieces.piece, pieces.largest(count)
     label = np.full(piece.max() + 1, -1)
     label[rooms] = np.arange(len(rooms))
     ends = piece[graph.edges[is_border]]

@@ -48,7 +48,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 def _compiled(function: Function) -> Function:
     """Compile with numba on first use; the machine code is kept for the next run."""
-    return cast(Function, numba.njit(cache=True)(function))
+    return cast(Function, numba.njit(cache=True, nogil=True)(function))
 
 
 def adjacency(node_count: int, edges: Integers, weights: Floats) -> sparse.csr_array:

@@ -29,6 +29,7 @@ COMMANDS = {
     "features": "Put the edge features of maps into one small file.",
     "train": "Train the room-border classifier.",
     "segment": "Find the rooms of a map.",
+    "annotate": "Draw room borders on maps in the browser.",
     "evaluate": "Judge the method, leaving each environment out once.",
     "reproduce": "The paper's experiments, table by table.",
     "inspect": "Show what is in a map, an apartment or a dataset.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,13 +10,13 @@ import click
 from click.core import ParameterSource
 
 from roomseg.cli.options import output_option
-from roomseg.cli.panels import SHOWN, map_panels
+from roomseg.cli.panels import SHOWN, map_panels, outlines_of
 from roomseg.cli.sources import is_apartment
 
 if TYPE_CHECKING:
     from scenes import Apartment
 
-DRAWINGS = (".png", ".svg", ".pdf")
+DRAWINGS = (".png", ".svg", ".pdf", ".html")
 PHOTOS = (".png", ".jpg", ".jpeg")
 
 EXAMPLE = """\b
@@ -23,12 +24,16 @@ Example:
   roomseg view home7.json -o home7.pdf
   roomseg view sim4 --cutaway -o sim4.jpg
   roomseg view maps/sim4-run1.h5 --show graph --show rooms -o rooms.png
+  roomseg view maps/sim4-run1.h5 --browser -o sim4.html
 """
 
 
 @click.command("view", epilog=EXAMPLE)
 @click.argument("source", metavar="MAP|APARTMENT", type=click.Path(path_type=Path))
-@output_option("The picture: .png, .svg or .pdf; with --cutaway .png or .jpg.")
+@output_option(
+    "A picture (.png, .svg, .pdf; with --cutaway .png, .jpg), or of a map a page (.html)."
+)
+@click.option("--browser", is_flag=True, help="Open the page in the browser, too.")
 @click.option(
     "--show",
     multiple=True,
@@ -63,6 +68,7 @@ def command(
     source: Path,
     output: Path,
     show: tuple[str, ...],
+    browser: bool,
     cutaway: bool,
     dpi: int,
     size: int,
@@ -72,9 +78,15 @@ def command(
 
     A map is drawn by its run, obstacle points, graph, rooms and some images. An apartment is a
     file or the name of a reference place; --cutaway shows the one a map was
-    recorded in, too.
+    recorded in, too. A map's page needs nothing but a browser: layers, rooms side by side, the
+    run replayed, features and images of the nodes.
     """
     _check_name(output, PHOTOS if cutaway else DRAWINGS)
+    is_page = output.suffix.lower() == ".html"
+    if is_page and (show or is_apartment(source)):
+        raise click.UsageError(f"-o {output}: a page is of a map, and has all layers")
+    if browser and not is_page:
+        raise click.UsageError(f"--browser: opens a page, expected -o FILE.html, not {output}")
     _check_options(("dpi",) if cutaway else ("size", "samples"), cutaway)
     if show and (cutaway or is_apartment(source)):
         raise click.UsageError(f"--show {show[0]}: says what to draw of a map, not of an apartment")
@@ -83,10 +95,14 @@ def command(
 
         apartment = _apartment(source)
         draw_cutaway(apartment, output, size=size, samples=samples, folder=source.parent)
+    elif output.suffix.lower() == ".html":
+        _write_page(source, output)
     else:
         draw = _draw_plan if is_apartment(source) else _draw_map
         _write(draw(source, show), output, dpi)
     click.echo(str(output))
+    if browser:
+        webbrowser.open(output.resolve().as_uri())
 
 
 def _check_name(output: Path, suffixes: tuple[str, ...]) -> None:
@@ -137,6 +153,20 @@ def _draw_map(source: Path, show: tuple[str, ...]) -> Any:
             draw(figure.add_subplot(rows, columns, index + 1))
     add_map_legend(figure)
     return figure
+
+
+def _write_page(source: Path, output: Path) -> None:
+    """The page of a map, with those features that can be computed without images."""
+    from dataset import MapFile
+    from dataset.atomic import write_text
+    from roomseg.browser.viewer import map_page
+    from roomseg.features import SUBSETS, edge_features
+
+    with MapFile(source) as file:
+        complete = len(file.done) > 0 and bool(file.done.all())
+        found = edge_features(file, SUBSETS["all" if complete else "no-camera"])
+        features = {name: found.column(name) for name in found.names}
+        write_text(output, map_page(file, outlines_of(file.topomap.scene), features))
 
 
 def _draw_plan(source: Path, show: tuple[str, ...]) -> Any:

@@ -262,6 +262,14 @@ CASES = {
         no_rooms_and_no_labels,
         "attribute room_count of /ground_truth: 0, expected >= 1",
     ),
+    "names of other rooms": (
+        attribute("ground_truth", "room_names", np.array(["hall"], h5py.string_dtype())),
+        "attribute room_names of /ground_truth: 1, expected 2",
+    ),
+    "names that are no texts": (
+        attribute("ground_truth", "room_names", np.array([1, 2])),
+        "attribute room_names of /ground_truth: array([1, 2]), expected texts",
+    ),
     "more rooms than labels": (
         attribute("ground_truth", "room_count", 3),
         "/ground_truth/room: 2 rooms, expected room_count = 3",

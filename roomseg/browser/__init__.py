@@ -1,0 +1,1 @@
+"""Maps on a page of their own, to be looked at in a browser (Bokeh)."""
