@@ -6,7 +6,8 @@ from dataset.errors import FormatError, RoomsegError
 from dataset.frames import Radiance
 from dataset.inspection import Summary, summarise
 from dataset.journal import FrameJournal, discard_frames
-from dataset.storage import Images, MapFile, Rooms, read_map, write_ground_truth, write_map, write_rooms
+from dataset.rewriting import write_ground_truth, write_rooms
+from dataset.storage import Images, MapFile, Rooms, read_map, write_map
 from dataset.storage import open_file as open
 from dataset.topomap import GroundTruth, Nodes, Obstacles, Path, Settings, TopoMap, Visits
 from dataset.validation import problems

@@ -49,7 +49,8 @@ from dataset.frames import (
 )
 from dataset.layout import decode_camera, encode_camera
 from dataset.records import RECORD, Entry, packed, records, seal, unpacked
-from dataset.storage import OWN_CAMERA, MapFile, rewriting
+from dataset.rewriting import rewriting
+from dataset.storage import OWN_CAMERA, MapFile
 from dataset.topomap import TopoMap
 
 __all__ = ["FrameJournal", "discard_frames", "journal_path"]

@@ -131,7 +131,7 @@ class _Drawn:
     @property
     def position(self) -> Floats:
         """Where the nodes are drawn."""
-        return node_positions(self.topomap, self.frame)
+        return node_positions(self.topomap.nodes, self.frame)
 
 
 @dataclass(frozen=True)
