@@ -35,9 +35,9 @@ __all__ = ["assemble"]
 
 LEAST_DRIVEN = 0.25
 """Floor that the robot's centre must have in every room, m²."""
-PLAY = 0.005
-"""How much wider than the robot's body a way must be that floor lies behind, m."""
-MOST_TIGHT = 0.1
+PLAY = 0.02
+"""How much wider on either side than the robot a way must be that floor lies behind, m."""
+MOST_TIGHT = 0.5
 """Floor that may lie behind ways without that play, m²."""
 LOWERED = ("bathroom", "corridor", "storage")
 """Kinds that may have a lower ceiling than the rest."""
@@ -287,15 +287,15 @@ def _largest(apartment: Apartment, radius: float) -> Polygon:
 def _start(apartment: Apartment, plan: FloorPlan, entrance: Doorway) -> Start | None:
     """Free floor nearest to the entrance from which every room is reached.
 
-    None if there is none, or if much floor lies behind a gap as wide as the robot: whether a
-    map knows such a gap is a matter of millimetres.
+    None if there is none, or if much floor lies behind a gap hardly wider than the robot:
+    whether a map of 5 cm cells knows such a gap is a matter of luck.
     """
     # A little wider than the robot, so that rounding does not put it into a wall.
-    home = _largest(apartment, ROBOT_RADIUS + 2.0 * PLAY)
+    home = _largest(apartment, ROBOT_RADIUS + 0.01)
     first = home.intersection(plan.rooms[entrance.first])
     if any(home.intersection(room).area < LEAST_DRIVEN for room in plan.rooms):
         return None
-    with_play = _largest(apartment, ROBOT_RADIUS + PLAY).buffer(1.2 * PLAY)
+    with_play = _largest(apartment, ROBOT_RADIUS + PLAY).buffer(PLAY + 1e-3)
     if _largest(apartment, ROBOT_RADIUS).difference(with_play).area > MOST_TIGHT:
         return None
     x, y = shapely.get_coordinates(shapely.shortest_line(first, shapely.Point(entrance.position)))[

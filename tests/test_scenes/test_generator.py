@@ -87,12 +87,12 @@ def test_robot_reaches_every_room_and_nearly_all_floor(
     assert driven.area > 0.95 * free.area
 
 
-@pytest.mark.parametrize("seed", [63, 89, 108])
+@pytest.mark.parametrize("seed", [79, 108, 442])
 def test_hardly_any_floor_lies_behind_a_gap_as_wide_as_the_robot(seed: int) -> None:
-    """As drawn first, these had 0.5 to 6.6 m² behind gaps of less than 2 mm of play."""
+    """As drawn first, these had 3 to 7 m² behind gaps of less than 34 cm."""
     home = generate_apartment(seed)
-    behind = reachable(home, 0.15).difference(reachable(home, 0.155).buffer(0.006))
-    assert behind.area < 0.1
+    behind = reachable(home, 0.15).difference(reachable(home, 0.17).buffer(0.022))
+    assert behind.area < 0.5
 
 
 @pytest.mark.parametrize("seed", SEEDS)
