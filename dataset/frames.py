@@ -11,8 +11,9 @@ pixel it reaches down to a billionth.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,8 +22,12 @@ from numpy.typing import NDArray
 from dataset.errors import FormatError
 from dataset.layout import array_of, read
 
+if TYPE_CHECKING:
+    from dataset.storage import MapFile
+
 __all__ = [
     "Frame",
+    "Images",
     "Radiance",
     "pack_image",
     "pack_radiance",
@@ -66,6 +71,36 @@ class Frame:
     gain: float
     radiance: bytes = b""
     exponent: int = 0
+
+
+@dataclass(frozen=True)
+class Images:
+    """The images of a map, read from the file only where they are indexed.
+
+    ``images[3]`` is one image (rows, columns), ``images[10:20]`` and
+    ``images[[4, 2]]`` are several, (k, rows, columns), all uint8; FormatError if one of
+    them is not there (`MapFile.done` says which are).
+    """
+
+    file: MapFile
+
+    def __len__(self) -> int:
+        return len(self.file.done)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Of all images, (n, rows, columns)."""
+        return (len(self), *self.file.topomap.camera.image_size)
+
+    def __getitem__(self, index: int | slice | Sequence[int] | NDArray[Any]) -> Image:
+        chosen = np.arange(len(self))[index]
+        if chosen.ndim == 0:
+            return self.file.image(int(chosen))
+        stack = [self.file.image(int(node)) for node in chosen]
+        return np.stack(stack) if stack else np.empty((0, *self.shape[1:]), np.uint8)
+
+    def __iter__(self) -> Iterator[Image]:
+        return (self.file.image(node) for node in range(len(self)))
 
 
 def pack_image(image: Image, size: tuple[int, int]) -> bytes:

@@ -6,7 +6,7 @@ not crash-safe when it is changed in place. How images lie in it: `dataset.frame
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from dataset.atomic import locked, remove_leftovers
 from dataset.camera import FisheyeCamera
 from dataset.digest import map_digest
 from dataset.errors import FormatError
-from dataset.frames import Frame, Image, Radiance, pack_image, put_images
+from dataset.frames import Frame, Image, Images, Radiance, pack_image, put_images
 from dataset.layout import (
     array_of,
     decode_camera,
@@ -42,14 +42,7 @@ from dataset.tables import (
 from dataset.topomap import TopoMap
 from dataset.writing import created
 
-__all__ = [
-    "Images",
-    "MapFile",
-    "Rooms",
-    "open_file",
-    "read_map",
-    "write_map",
-]
+__all__ = ["MapFile", "Rooms", "read_map", "write_map"]
 
 OWN_CAMERA = "own_camera"
 """Keeps the camera that a map had before its images were made with another one."""
@@ -125,49 +118,6 @@ def read_map(path: str | Path) -> TopoMap:
     """
     with opened(path) as file:
         return decode_map(file)
-
-
-@dataclass(frozen=True)
-class Images:
-    """The images of a map, read from the file only where they are indexed.
-
-    ``images[3]`` is one image (rows, columns), ``images[10:20]`` and
-    ``images[[4, 2]]`` are several, (k, rows, columns), all uint8; FormatError if one of
-    them is not there (`MapFile.done` says which are).
-    """
-
-    file: MapFile
-
-    def __len__(self) -> int:
-        return len(self.file.done)
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Of all images, (n, rows, columns)."""
-        return (len(self), *self.file.topomap.camera.image_size)
-
-    def __getitem__(self, index: int | slice | Sequence[int] | NDArray[Any]) -> Image:
-        chosen = np.arange(len(self))[index]
-        if chosen.ndim == 0:
-            return self.file.image(int(chosen))
-        stack = [self.file.image(int(node)) for node in chosen]
-        return np.stack(stack) if stack else np.empty((0, *self.shape[1:]), np.uint8)
-
-    def __iter__(self) -> Iterator[Image]:
-        return (self.file.image(node) for node in range(len(self)))
-
-
-def open_file(path: str | Path) -> MapFile:
-    """Open a map file for reading: ``with dataset.open("map.h5") as m: ...``.
-
-    Nothing but its head is read before it is asked for.
-
-    Raises
-    ------
-    FormatError
-        If the file is missing, cut off or no map.
-    """
-    return MapFile(path)
 
 
 class MapFile:
