@@ -8,8 +8,8 @@ from typing import Any
 
 from bokeh.layouts import column, row
 from bokeh.models import (
+    AllIndices,
     Button,
-    CDSView,
     Checkbox,
     CheckboxButtonGroup,
     ColumnDataSource,
@@ -176,8 +176,8 @@ class Panel:
         }
         if data != self.rooms.data:
             self.rooms.data = data
-            # Bokeh's table draws itself anew if its number of rows changes, or its view.
-            self._table.view = CDSView()
+            # Bokeh's table draws itself anew only if the number of rows or its view changes.
+            self._table.view.filter = AllIndices()
 
     def show_title(self, room: Room | None) -> None:
         """Let the name of a room be typed; None: no single one is selected."""
