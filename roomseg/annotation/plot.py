@@ -44,7 +44,7 @@ SELECTED_BLUE = "#1A6BFF"
 PALETTE_SIZE = 27
 NODE = 0.04
 """m; radius of a node's circle."""
-CELL = 0.02
+CELL = 0.012
 """m; side of an obstacle point."""
 LARGEST_PICTURE = 3000
 """px"""
