@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -144,7 +145,20 @@ class AnnotationPage:
     # What is shown.
 
     def refresh(self) -> None:
-        """Show the annotation as it is now."""
+        """Show the annotation as it is now; the browser draws it once."""
+        with self._at_once():
+            self._refresh()
+
+    @contextmanager
+    def _at_once(self) -> Iterator[None]:
+        assert self._document is not None
+        self._document.hold("combine")
+        try:
+            yield
+        finally:
+            self._document.unhold()
+
+    def _refresh(self) -> None:
         annotation = self._annotation
         if self._border not in {border.id for border in annotation.drawing.borders}:
             self._border = None
@@ -182,15 +196,19 @@ class AnnotationPage:
             x, y = event.x - event.delta_x * scale, event.y + event.delta_y * scale
             self._drag = pressed(self._annotation.drawing.borders, x, y, GRIP * scale)
         line = np.array(self._drag.to(event.x, event.y)).reshape(1, 2, 2)
-        self.plot.show("preview", line)
-        self.plot.show_edges("touched", self._annotation.canvas.crossings(line)[1])
+        with self._at_once():
+            self.plot.show("preview", line)
+            self.plot.show_edges("touched", self._annotation.canvas.crossings(line)[1])
 
     def _release(self, event: PanEnd) -> None:
         drag, self._drag = self._drag, None
-        self.plot.show("preview", np.zeros((0, 2, 2)))
-        self.plot.show("touched", np.zeros((0, 2, 2)))
-        if drag is None:
-            return
+        with self._at_once():
+            self.plot.show("preview", np.zeros((0, 2, 2)))
+            self.plot.show("touched", np.zeros((0, 2, 2)))
+            if drag is not None:
+                self._end(drag, event)
+
+    def _end(self, drag: Drag, event: PanEnd) -> None:
         line = drag.to(event.x, event.y)
         shift = float(np.hypot(event.x - drag.start[0], event.y - drag.start[1]))
         if shift < SHORTEST_DRAG * self.plot.metres_per_pixel():

@@ -8,8 +8,8 @@ from typing import Any
 
 from bokeh.layouts import column, row
 from bokeh.models import (
+    AllIndices,
     Button,
-    CDSView,
     Checkbox,
     CheckboxButtonGroup,
     ColumnDataSource,
@@ -35,7 +35,7 @@ STYLE = """
 :host { font-family: system-ui, sans-serif; font-size: 13px; line-height: 1.4; color: #222 }
 h1 { font-size: 16px; margin: 0 } h2 { font-size: 13px; margin: 4px 0 0 0 }
 p { margin: 2px 0 } .quiet { color: #666 } .wrong, .leak { color: #B01010 }
-.good { color: #00664A } img { display: block; margin-top: 4px; max-width: 100%;
+.good { color: #00664A } img { display: block; margin-top: 4px; max-width: 100%; max-height: 190px;
 image-rendering: auto; border-radius: 3px } kbd { background: #eee; padding: 0 3px;
 border-radius: 3px } a { margin-right: 8px }
 """
@@ -176,8 +176,8 @@ class Panel:
         }
         if data != self.rooms.data:
             self.rooms.data = data
-            # Bokeh's table draws itself anew if its number of rows changes, or its view.
-            self._table.view = CDSView()
+            # Bokeh's table draws itself anew only if the number of rows or its view changes.
+            self._table.view.filter = AllIndices()
 
     def show_title(self, room: Room | None) -> None:
         """Let the name of a room be typed; None: no single one is selected."""

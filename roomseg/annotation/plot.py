@@ -42,8 +42,12 @@ SUGGESTION_ORANGE = "#E69F00"
 LEAK_RED = "#D7191C"
 SELECTED_BLUE = "#1A6BFF"
 PALETTE_SIZE = 27
-CELL = 0.02
-"""m; of several obstacle points in one cell of this size one is shown."""
+NODE = 0.04
+"""m; radius of a node's circle."""
+CELL = 0.012
+"""m; side of an obstacle point."""
+LARGEST_PICTURE = 3000
+"""px"""
 
 
 class MapPlot:
@@ -79,15 +83,12 @@ class MapPlot:
 
     def _add_layers(self) -> dict[str, Any]:
         topomap, position = self._canvas.topomap, self._canvas.position
-        points = _thinned(topomap.obstacles.position)
         plot = self.figure
         layers = {
             "all edges": _lines(plot, position[self._canvas.edges], "#C9C4BE", 0.6),
             "kept edges": _lines(plot, position[self._canvas.graph.edges], "#B9B2A9", 1.0),
             "lanes": _lines(plot, _lane_steps(topomap), "#C0562F", 1.4),
-            "obstacles": plot.scatter(
-                x=points[:, 0], y=points[:, 1], size=2.5, color=OBSTACLE_BLUE, alpha=0.65
-            ),
+            "obstacles": _picture(plot, topomap.obstacles.position),
         }
         for name, renderer in layers.items():
             renderer.visible = name in SHOWN_AT_FIRST
@@ -112,14 +113,13 @@ class MapPlot:
         palette = [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in colours]
         self.palette = tuple(palette)
         mapper = LinearColorMapper(palette=palette, low=-0.5, high=PALETTE_SIZE - 0.5)
-        self.node_glyphs = self.figure.scatter(
+        self.node_glyphs = self.figure.circle(
             "x",
             "y",
             source=self.nodes,
-            size=7,
+            radius=NODE,
             fill_color={"field": "colour", "transform": mapper},
-            line_color="white",
-            line_width=0.5,
+            line_color=None,
         )
         # A click selects rooms in the list, not single nodes.
         self.node_glyphs.nonselection_glyph = None
@@ -237,11 +237,19 @@ class MapPlot:
         self.show(name, self._canvas.position[self._canvas.edges[edges]])
 
 
-def _thinned(points: Floats) -> Floats:
-    """One point of each cell."""
-    _, first = np.unique(np.round(points / CELL).astype(np.int64), axis=0, return_index=True)
-    thinned: Floats = points[np.sort(first)]
-    return thinned
+def _picture(plot: Any, points: Floats) -> Any:
+    """Obstacle points as one picture: there are too many to draw each anew at every edit."""
+    low = points.min(axis=0) if len(points) else np.zeros(2)
+    extent = np.ptp(points, axis=0) if len(points) else np.zeros(2)
+    cell = max(CELL, float(extent.max()) / LARGEST_PICTURE)
+    column, row = np.floor((points - low) / cell).astype(int).T
+    shape = np.floor(extent[::-1] / cell).astype(int) + 1
+    pixels = np.zeros((*shape, 4), np.uint8)
+    pixels[row, column] = [int(OBSTACLE_BLUE[at : at + 2], 16) for at in (1, 3, 5)] + [255]
+    width, height = shape[::-1] * cell
+    return plot.image_rgba(
+        image=[pixels.view(np.uint32)[:, :, 0]], x=low[0], y=low[1], dw=width, dh=height
+    )
 
 
 def _lines(plot: Any, segments: Floats, colour: str, width: float) -> Any:

@@ -9,7 +9,7 @@ page. Paths name maps and nodes by number; no file is opened by what a browser s
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from typing import Any
 
@@ -64,8 +64,7 @@ class AnnotationServer:
         self.port: int = sockets[0].getsockname()[1]
         hosts = [f"{name}:{self.port}" for name in NAMES]
         self._pool = ThreadPoolExecutor(1)
-        for annotation in annotations:
-            annotation.watchers.append(Clustering(annotation, self._pool).follow)
+        self._clusterings = [Clustering(annotation, self._pool) for annotation in annotations]
         app = BokehTornado(
             {f"/map{index}": self._page(index) for index in range(len(annotations))},
             extra_websocket_origins=hosts,
@@ -90,10 +89,10 @@ class AnnotationServer:
         return f"http://{ADDRESS}:{self.port}/"
 
     def run(self) -> None:
-        """Serve until `stop` or a KeyboardInterrupt."""
+        """Serve until a KeyboardInterrupt."""
         self._server.start()
-        for annotation in self._annotations:
-            Clustering(annotation, self._pool).follow()
+        for clustering in self._clusterings:
+            clustering.follow()
         try:
             self._server.io_loop.start()
         finally:
@@ -101,10 +100,6 @@ class AnnotationServer:
             self._pool.shutdown(wait=False, cancel_futures=True)
             for images in self._images:
                 images.close()
-
-    def stop(self) -> None:
-        """End `run`; may be called in another thread."""
-        self._server.io_loop.add_callback(self._server.io_loop.stop)
 
     def _page(self, index: int) -> Callable[[Document], None]:
         others = tuple(
@@ -122,20 +117,25 @@ class AnnotationServer:
 
 
 class Clustering:
-    """Lets the clustering follow an annotation in another thread."""
+    """Lets the clustering follow an annotation in another thread, edits in between left out."""
 
     def __init__(self, annotation: Annotation, pool: ThreadPoolExecutor) -> None:
         self._annotation = annotation
         self._pool = pool
+        self._busy = False
+        annotation.watchers.append(self.follow)
 
     def follow(self) -> None:
-        """Cluster what is drawn now, if it is not yet."""
-        if self._annotation.confirmation is None:
+        """Cluster what is drawn now, if it is not yet; later, if another is being clustered."""
+        if self._annotation.confirmation is None and not self._busy:
+            self._busy = True
             future = self._pool.submit(self._annotation.pending())
-            IOLoop.current().add_future(future, lambda done: self._settle(done.result()))
+            IOLoop.current().add_future(future, self._settle)
 
-    def _settle(self, confirmation: Confirmation) -> None:
-        self._annotation.settle(confirmation)
+    def _settle(self, done: Future[Confirmation]) -> None:
+        self._busy = False
+        self._annotation.settle(done.result())
+        self.follow()
 
 
 class NodeImages:
