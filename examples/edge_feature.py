@@ -14,8 +14,9 @@ from scipy.spatial import KDTree
 
 import dataset
 from dataset import TopoMap
-from roomseg.evaluation import LabelledMap, judge, train_on
+from roomseg.evaluation import judge, train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
+from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import feature_quality
 from roomseg.preprocessing import MapGraph
 
@@ -36,7 +37,7 @@ def with_my_feature(features: EdgeFeatures, topomap: TopoMap) -> EdgeFeatures:
 def labelled(path: Path, *, mine: bool) -> LabelledMap:
     with dataset.open(path) as m:
         features = edge_features(m, SUBSETS["no-camera"])
-        return LabelledMap(m.topomap, with_my_feature(features, m.topomap) if mine else features)
+        return LabelledMap.of(m.topomap, with_my_feature(features, m.topomap) if mine else features)
 
 
 def main() -> None:

@@ -11,15 +11,16 @@ from pathlib import Path
 
 import dataset
 from roomseg.classifier import ClassifierParameters, save_model
-from roomseg.evaluation import LabelledMap, judge, train_on
+from roomseg.evaluation import judge, train_on
 from roomseg.features import SUBSETS, edge_features
+from roomseg.labelled_map import LabelledMap
 
 PARAMETERS = ClassifierParameters(C=1.0, gamma=0.25, class_weight=10.0, rho=60.0)
 
 
 def labelled(path: Path) -> LabelledMap:
     with dataset.open(path) as m:
-        return LabelledMap(m.topomap, edge_features(m, SUBSETS["no-camera"]))
+        return LabelledMap.of(m.topomap, edge_features(m, SUBSETS["no-camera"]))
 
 
 def main() -> None:

@@ -20,7 +20,7 @@ __all__ = ["cli", "main"]
 COMMANDS = {
     "demo": "All of it, small, in minutes.",
     "generate": "Make up an apartment.",
-    "import": "Make an apartment of a map, plan or scene, or a map of a run.",
+    "import": "Make an apartment of a plan or scene, a map of a run.",
     "export": "Write an apartment or a map for other programs.",
     "simulate": "Clean apartments and record maps.",
     "render": "Add camera images to maps.",
