@@ -475,7 +475,10 @@ def test_a_disk_that_is_full_in_the_middle_is_one_line(folder, arguments):
 
 def test_a_picture_has_a_pictures_name_and_a_date_is_iso(folder, capsys):
     line = refused(capsys, "view", "flat.h5", "-o", "flat.gif")
-    assert line == "flat.gif: not a picture's name, expected one that ends in .png or .svg or .pdf"
+    assert (
+        line
+        == "flat.gif: not a picture's name, expected one that ends in .png or .svg or .pdf or .html"
+    )
     assert ".png" in refused(capsys, "view", "demo1", "--cutaway", "-o", "demo1.svg")
     message = refused(capsys, "simulate", "demo1", "--created", "yesterday", "-o", "maps")
     assert "2026-01-31" in message
