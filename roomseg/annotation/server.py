@@ -8,8 +8,9 @@ page. Paths name maps and nodes by number; no file is opened by what a browser s
 
 from __future__ import annotations
 
+from asyncio import Future
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import Any
 
@@ -129,8 +130,10 @@ class Clustering:
         """Cluster what is drawn now, if it is not yet; later, if another is being clustered."""
         if self._annotation.confirmation is None and not self._busy:
             self._busy = True
-            future = self._pool.submit(self._annotation.pending())
-            IOLoop.current().add_future(future, self._settle)
+            loop = IOLoop.current()
+            loop.add_future(
+                loop.run_in_executor(self._pool, self._annotation.pending()), self._settle
+            )
 
     def _settle(self, done: Future[Confirmation]) -> None:
         self._busy = False
