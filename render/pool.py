@@ -30,7 +30,7 @@ from dataset.errors import RoomsegError
 from render.cluster import crew_threads, workers_of
 from render.crew import Crew, Parcel, Rendered, render_chunk, stop_crew
 from render.map_work import MapWork, Outcome, Wanted
-from render.process import DeadProcessError, LightProcess
+from render.process import DeadProcessError, Job, LightProcess
 from scenes.errors import SceneError
 from scenes.scene_file import find_scene_file
 
@@ -41,6 +41,7 @@ FIRST = 2
 """Nodes of a map's first chunks, before it is known how long one takes."""
 ATTEMPTS = 3
 """How often a chunk is tried whose rendering process died."""
+BAKING = "baking the light, once per apartment"
 POLL_S = 0.5
 PATIENCE_S = 30.0
 Problem = RoomsegError | SceneError | OSError
@@ -84,9 +85,11 @@ def render_maps(
     RoomsegError
         If the scheduler does not answer, or is lost.
     """
+    bakers = None if wanted.threads is None else wanted.threads * jobs
     wanted = replace(wanted, threads=wanted.threads or crew_threads(jobs, scheduler))
     with workers_of(jobs, scheduler) as client:
-        pool = _Pool(client, wanted, remote=scheduler is not None, tell=tell, show=show)
+        remote = scheduler is not None
+        pool = _Pool(client, wanted, bakers, remote=remote, tell=tell, show=show)
         try:
             yield from pool.run(list(paths))
         finally:
@@ -123,12 +126,17 @@ class _Pool:
         self,
         client: Client,
         wanted: Wanted,
+        bakers: int | None,
         *,
         remote: bool,
         tell: Callable[[Path, str], None],
         show: Callable[[Path, int, int], None],
     ) -> None:
         self.client, self.wanted, self.remote = client, wanted, remote
+        self.bakers = bakers
+        """Threads that bake; all if None."""
+        self.lights: dict[str, Path] = {}
+        """Baked light by place."""
         self.tell, self.show = tell, show
         self.crew = f"roomseg-{uuid.uuid4().hex}"
         self.events: SimpleQueue[Callable[[], Iterable[Outcome]]] = SimpleQueue()
@@ -177,25 +185,22 @@ class _Pool:
                 yield Outcome(path, 0, error)
                 continue
             self.show(path, len(work.journal.done), work.total)
+            light = self.lights.get(_place(work.job))
             if not work.missing:
                 yield self._closed(work, 0, None)
-            elif work.job.preset.bake is None:
-                self._begin(work, None)
+            elif work.job.preset.bake is None or light is not None:
+                yield from self._begin(work, light)
             else:
                 self._find_light(work)
 
     def _find_light(self, work: MapWork) -> None:
         """Have the light of a map's apartment found or baked; `_light_is_there` goes on."""
-        # Nobody else renders yet: all cores.
-        job = work.job if self.sites else replace(work.job, threads=None)
         self.preparing = work
-        self.light = light = LightProcess(job)
+        self.light = light = LightProcess(replace(work.job, threads=self.bakers))
 
         def find() -> None:
             try:
-                path = light.find(
-                    lambda: self.tell(work.path, "baking the light, once per apartment")
-                )
+                path = light.find(lambda: self.tell(work.path, BAKING))
             except (RoomsegError, OSError) as error:
                 problem = error
                 self.events.put(lambda: self._light_failed(work, problem))
@@ -206,22 +211,23 @@ class _Pool:
 
     def _light_is_there(self, work: MapWork, path: Path) -> Iterable[Outcome]:
         self.light = self.preparing = None
-        self._begin(work, path)
-        return ()
+        self.lights[_place(work.job)] = path
+        yield from self._begin(work, path)
 
     def _light_failed(self, work: MapWork, problem: Problem) -> Iterable[Outcome]:
         self.light = self.preparing = None
         yield self._closed(work, 0, problem)
 
-    def _begin(self, work: MapWork, light: Path | None) -> None:
+    def _begin(self, work: MapWork, light: Path | None) -> Iterable[Outcome]:
         """Let workers render a map."""
-        files = self._files(work, light) if self.remote else None
-        same = replace(work.job, seed=0).to_json()
-        if files is not None:
-            same = replace(work.job, seed=0, folder="").to_json()
-        place = hashlib.sha256(same.encode()).hexdigest()
-        keep = work.journal.keeps_radiance
-        parcel = Parcel(work.job, place, work.poses, keep, files)
+        try:
+            files = self._files(work, light) if self.remote else None
+        except (SceneError, OSError) as error:
+            yield self._closed(work, 0, error)
+            return
+        # What is sent has everything: equal apartments of two folders are one place.
+        place = _place(work.job if files is None else replace(work.job, folder=""))
+        parcel = Parcel(work.job, place, work.poses, work.journal.keeps_radiance, files)
         task = self.client.submit(_same, parcel, pure=False)
         self.sites.append(_Site(work, parcel, task))
 
@@ -230,7 +236,7 @@ class _Pool:
         """What a worker needs of a map's folder."""
         paths = [] if light is None else [light]
         if work.job.apartment.scene_file is not None:
-            paths.append(find_scene_file(work.job.apartment, work.job.folder).resolve())
+            paths.append(find_scene_file(work.job.apartment, work.job.folder))
         folder = Path(work.job.folder)
         return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
 
@@ -257,17 +263,13 @@ class _Pool:
     def _give_out(self, workers: dict[str, int]) -> None:
         """Give every worker that has time a chunk."""
         busy = Counter(chunk.worker for chunk in self.running.values())
-        # Chunks of workers that died are done by others, of whom Dask knows.
-        free = sum(workers.values()) - len(self.running)
+        # Dask gives the chunks of workers that died to others, as second ones.
         for worker, slots in sorted(workers.items(), key=lambda item: busy[item[0]]):
             for _ in range(slots - busy[worker]):
-                if free <= 0:
-                    return
                 chunk = self._next_chunk(worker, sum(workers.values()))
                 if chunk is None:
                     return
                 self._submit(chunk)
-                free -= 1
 
     def _next_chunk(self, worker: str, slots: int) -> _Chunk | None:
         if self.again:
@@ -377,6 +379,11 @@ class _Pool:
             with suppress(CancelledError, KilledWorker, RoomsegError, SceneError, OSError):
                 self._keep(chunk, future.result(timeout=PATIENCE_S))
         self.running.clear()
+
+
+def _place(job: Job) -> str:
+    """The same for jobs that one process can do: all of a job but its seed."""
+    return hashlib.sha256(replace(job, seed=0).to_json().encode()).hexdigest()
 
 
 def _same(parcel: Parcel) -> Parcel:
