@@ -172,11 +172,22 @@ class FrameJournal:
         RoomsegError
             If the journal cannot be written; what was appended before stays.
         """
+        frame = Frame(index, pack_image(image, self.camera.image_size), gain)
+        if self.keeps_radiance and radiance is not None:
+            light = pack_radiance(radiance, self.camera.image_size)
+            frame = replace(frame, radiance=light, exponent=radiance.exponent)
+        self.add(frame)
+
+    def add(self, frame: Frame) -> None:
+        """Keep a finished frame that is packed already; as `append`."""
+        index, gain = frame.index, frame.gain
         if not 0 <= index < self._node_count:
             raise FormatError(f"{self.path}: node {index}, expected 0..{self._node_count - 1}")
         if not (np.isfinite(gain) and gain > 0.0):
             raise FormatError(f"{self.path}: gain {gain} of node {index}, expected a number > 0")
-        data = self._packed_frame(index, image, gain, radiance)
+        if self.keeps_radiance and not frame.radiance:
+            raise FormatError(f"{self.path}: keeps radiance, but node {index} has none")
+        data = packed(frame) if self.keeps_radiance else frame.pixels
         stream = self._open_stream()
         start = stream.seek(0, os.SEEK_END)
         try:
@@ -188,19 +199,6 @@ class FrameJournal:
             raise unwritten(f"{self.path}.frames", error) from error
         self._entries[index] = Entry(start + RECORD.size, len(data), gain)
         self._done.add(index)
-
-    def _packed_frame(
-        self, index: int, image: NDArray[np.uint8], gain: float, radiance: Radiance | None
-    ) -> bytes:
-        """What stands behind the head of a record."""
-        size = self.camera.image_size
-        frame = Frame(index, pack_image(image, size), gain)
-        if not self.keeps_radiance:
-            return frame.pixels
-        if radiance is None:
-            raise FormatError(f"{self.path}: keeps radiance, but node {index} has none")
-        light = pack_radiance(radiance, size)
-        return packed(replace(frame, radiance=light, exponent=radiance.exponent))
 
     def pack(self) -> int:
         """Merge the journal into the map and remove it.

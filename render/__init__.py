@@ -5,12 +5,15 @@ be rendered, and never by importing this package.
 """
 
 from render.exposure import expose
-from render.job import expose_map, render_map, suited_preset
+from render.job import expose_map, render_map
+from render.map_work import Outcome, Wanted, suited_preset
 from render.presets import PRESETS, Preset, preset_named
 
 __all__ = [
     "PRESETS",
+    "Outcome",
     "Preset",
+    "Wanted",
     "expose",
     "expose_map",
     "preset_named",

@@ -6,8 +6,7 @@ and is packed into the map when the job ends, also by an error or Ctrl-C, so tha
 most the image in the making is lost. Frame i depends on the map's seed, the node's
 pose and i alone: a map rendered in pieces equals one rendered in one go.
 
-Radiance is rounded to float16 before it is exposed, kept or not: `expose_map` then makes
-of what was kept the very images that rendering made.
+Several maps at once, by several workers: `render.pool`.
 """
 
 from __future__ import annotations
@@ -20,26 +19,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dataset.camera import CameraFlaws, FisheyeCamera
-from dataset.errors import FormatError
-from dataset.frames import Radiance
+from dataset.camera import CameraFlaws
 from dataset.journal import FrameJournal
 from dataset.storage import read_map
-from dataset.topomap import TopoMap
-from render.blender import render_window
 from render.cycles import Device
+from render.develop import develop, noise_of
 from render.exposure import expose
-from render.lighting import missing_light
-from render.presets import PRESETS, Preset
-from render.process import Job, RenderProcess
-from scenes.apartment import Apartment
-from scenes.errors import SceneError
-from scenes.storage import apartment_from_json
+from render.map_work import MapWork, Wanted
+from render.presets import Preset
+from render.process import RenderProcess
 
-__all__ = ["expose_map", "render_map", "suited_preset"]
-
-NOISE = 0x5E45
-"""Tells the noise of the images from whatever else is drawn from the run's seed."""
+__all__ = ["expose_map", "render_map"]
 
 
 def render_map(
@@ -93,67 +83,31 @@ def render_map(
     RoomsegError
         If another process writes to the map, or Blender fails.
     """
-    topomap = read_map(path)
-    apartment = _apartment(path, topomap)
-    preset = _suited(apartment, preset)
-    camera = _camera(path, topomap, preset)
-    with FrameJournal(path, camera, preset.name, keep_radiance=hdr) as journal:
-        try:
-            wanted = range(len(topomap.nodes)) if nodes is None else sorted(set(nodes))
-            missing = [i for i in wanted if i not in journal.done][:limit]
-            if on_progress is not None:
-                on_progress(len(journal.done), len(journal.done) + len(missing))
-            if not missing:
-                return 0
-            folder = str(Path(path).resolve().parent)
-            job = Job(apartment, camera, preset, threads, device, topomap.seed, folder)
-            with RenderProcess(job, on_bake) as process:
-                if on_device is not None:
-                    on_device(process.device)
-                return _render(process, journal, topomap, missing, on_progress)
-        finally:
-            journal.pack()
-
-
-def suited_preset(path: str | Path, preset: Preset) -> Preset:
-    """The preset that `render_map` takes for a map if it is asked for ``preset``.
-
-    The light of a 3D scene of another make cannot be baked; `reference` traces it.
-
-    Raises
-    ------
-    FormatError
-        If the file is no map, or cannot be rendered.
-    """
-    return _suited(_apartment(path, read_map(path)), preset)
-
-
-def _suited(apartment: Apartment, preset: Preset) -> Preset:
-    baked = preset.bake is not None and apartment.scene_file is not None
-    return PRESETS["reference"] if baked else preset
+    wanted = Wanted(preset, limit, threads, device, hdr)
+    with MapWork(path, wanted, nodes) as work:
+        if on_progress is not None:
+            on_progress(len(work.journal.done), work.total)
+        if not work.missing:
+            return 0
+        with RenderProcess(work.job, on_bake) as process:
+            if on_device is not None:
+                on_device(process.device)
+            return _render(process, work, on_progress)
 
 
 def _render(
-    process: RenderProcess,
-    journal: FrameJournal,
-    topomap: TopoMap,
-    missing: list[int],
-    on_progress: Callable[[int, int], None] | None,
+    process: RenderProcess, work: MapWork, on_progress: Callable[[int, int], None] | None
 ) -> int:
-    """Expose and journal the frames of the nodes ``missing``."""
-    poses = topomap.nodes.camera_pose
-    assert poses is not None
-    count, total = 0, len(journal.done) + len(missing)
-    with closing(process.frames(missing, poses)) as frames:
-        for index, light in frames:
-            radiance = Radiance.of(light)
-            rng = _noise_of(topomap.seed, index)
-            image, gain = expose(radiance.light, journal.camera, rng)
-            journal.append(index, image, gain, radiance)
-            count += 1
+    """Develop and journal the frames that a map lacks."""
+    journal, job = work.journal, work.job
+    missing = list(work.missing)
+    with closing(process.frames(missing, work.poses)) as frames:
+        for node, light in frames:
+            keep = journal.keeps_radiance
+            journal.add(develop(node, light, journal.camera, job.seed, keep_radiance=keep))
             if on_progress is not None:
-                on_progress(len(journal.done), total)
-    return count
+                on_progress(len(journal.done), work.total)
+    return len(missing)
 
 
 def expose_map(
@@ -189,7 +143,7 @@ def expose_map(
 
     def develop(index: int, light: NDArray[np.float32]) -> tuple[NDArray[np.uint8], float]:
         nonlocal count
-        developed = expose(light, camera, _noise_of(topomap.seed, index))
+        developed = expose(light, camera, noise_of(topomap.seed, index))
         count += 1
         if on_progress is not None:
             on_progress(count, len(journal.done))
@@ -197,36 +151,3 @@ def expose_map(
 
     with FrameJournal(path) as journal:
         return journal.expose(camera, develop)
-
-
-def _noise_of(seed: int, node: int) -> np.random.Generator:
-    """The generator of a node's noise, whoever renders it and when."""
-    return np.random.default_rng(np.random.SeedSequence([seed % 2**64, node, NOISE]))
-
-
-def _camera(path: str | Path, topomap: TopoMap, preset: Preset) -> FisheyeCamera:
-    """The camera to render; FormatError if Blender cannot place its disc."""
-    camera = preset.camera(topomap.camera)
-    try:
-        render_window(camera)
-    except ValueError as error:
-        raise FormatError(f"{path}: /camera: {error}") from error
-    return camera
-
-
-def _apartment(path: str | Path, topomap: TopoMap) -> Apartment:
-    """The map's own apartment; FormatError if the map cannot be rendered."""
-    if topomap.scene is None:
-        raise FormatError(f"{path}: /scene: missing, only simulated maps can be rendered")
-    if topomap.nodes.true_pose is None:
-        raise FormatError(f"{path}: /nodes/true_pose: missing, only simulated maps can be rendered")
-    try:
-        apartment = apartment_from_json(topomap.scene, origin=f"{path}: /scene")
-    except SceneError as error:
-        raise FormatError(str(error)) from error
-    if apartment.scene_file is None and (missing := missing_light(apartment)) is not None:
-        source = apartment.lighting.source
-        raise FormatError(
-            f"{path}: /scene: lighting.source {source!r}: nothing gives light; expected {missing}"
-        )
-    return apartment

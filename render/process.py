@@ -7,9 +7,9 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
@@ -23,7 +23,7 @@ from render.cycles import Device
 from render.presets import Preset, preset_from
 from scenes.apartment import Apartment
 
-__all__ = ["Job", "RenderProcess", "start_child"]
+__all__ = ["DeadProcessError", "Job", "LightProcess", "RenderProcess", "start_child"]
 
 PATIENCE_S = 10.0
 
@@ -32,7 +32,8 @@ PATIENCE_S = 10.0
 class Job:
     """What the child is to render, in the first line that it reads.
 
-    ``threads`` None means all cores; frame i is sampled with ``seed`` + i. The
+    ``threads`` None means all cores; frame i is sampled with ``seed`` + i, unless another
+    seed is asked for with it. The
     apartment's scene file, if it has one, is in ``folder``.
     """
 
@@ -69,88 +70,37 @@ class Job:
         )
 
 
-class RenderProcess:
-    """Renders an apartment in a process of its own. Use it as a context manager.
+class DeadProcessError(RoomsegError):
+    """The rendering process ended without a word; another may do better."""
 
-    Parameters
-    ----------
-    job : Job
-    on_bake : callable, optional
-        Called if the light has to be baked first, which takes minutes.
 
-    Attributes
-    ----------
-    device : str
-        What renders: 'CPU', or the graphics cards' names.
+class _Child:
+    """A process of `render.worker` that has been told its job."""
 
-    Raises
-    ------
-    RoomsegError
-        If Blender cannot be loaded, or the device asked for is not there.
-    """
-
-    def __init__(self, job: Job, on_bake: Callable[[], None] | None = None) -> None:
-        self._size = job.camera.image_size
+    def __init__(
+        self, job: Job, files: Mapping[str, bytes] | None = None, *, only_light: bool = False
+    ) -> None:
         # Here, so that it goes even if the child is killed.
         self._folder = tempfile.TemporaryDirectory(prefix="roomseg-render-")
+        if files is not None:
+            job = replace(job, folder=str(_unpack(files, Path(self._folder.name))))
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115  (closed by _end)
         self._child = start_child("render.worker", self._log)
-        try:
-            self._send(json.dumps({"job": job.to_json(), "folder": self._folder.name}))
+        request = {"job": job.to_json(), "folder": self._folder.name, "only_light": only_light}
+        self._send(json.dumps(request))
+
+    def stop(self) -> None:
+        """End the child at once, from any thread; whoever waits for it gets `DeadProcessError`."""
+        self._child.kill()
+
+    def _first_answer(self, on_bake: Callable[[], None] | None) -> dict[str, Any]:
+        """What the child says when it is ready."""
+        ready, _ = self._receive()
+        if "baking" in ready:
+            if on_bake is not None:
+                on_bake()
             ready, _ = self._receive()
-            if "baking" in ready:
-                if on_bake is not None:
-                    on_bake()
-                ready, _ = self._receive()
-            self.device = str(ready["device"])
-        except BaseException:
-            self._end()
-            raise
-
-    def __enter__(self) -> RenderProcess:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._end()
-
-    def frames(
-        self, indices: list[int], poses: NDArray[np.float64]
-    ) -> Generator[tuple[int, NDArray[np.float32]], None, None]:
-        """Render the nodes ``indices``; the child works one frame ahead of the caller.
-
-        Parameters
-        ----------
-        indices : list of int
-        poses : array, shape (n, 3) or (n, 5)
-            True poses of all nodes: m, m, rad, and how they lean; see `place_camera`.
-
-        Yields
-        ------
-        index : int
-        radiance : array, shape ``camera.image_size``, float32
-
-        Raises
-        ------
-        RoomsegError
-            If a frame could not be rendered.
-        """
-        for ahead in indices[:1]:
-            self._ask(ahead, poses)
-        for here, index in enumerate(indices):
-            for ahead in indices[here + 1 : here + 2]:
-                self._ask(ahead, poses)
-            head, data = self._receive()
-            assert head["index"] == index
-            yield index, np.frombuffer(data, dtype="<f4").reshape(self._size)
-
-    def _ask(self, index: int, poses: NDArray[np.float64]) -> None:
-        pose = [float(value) for value in poses[index]]
-        self._send(json.dumps({"index": int(index), "pose": pose}))
+        return ready
 
     def _send(self, line: str) -> None:
         assert self._child.stdin is not None
@@ -164,13 +114,13 @@ class RenderProcess:
         assert self._child.stdout is not None
         line = self._child.stdout.readline()
         if not line:
-            raise RoomsegError(self._last_words())
+            raise DeadProcessError(self._last_words())
         head = json.loads(line)
         if "error" in head:
             raise RoomsegError(head["error"])
         data = self._child.stdout.read(head["bytes"])
         if len(data) != head["bytes"]:
-            raise RoomsegError(self._last_words())
+            raise DeadProcessError(self._last_words())
         return head, data
 
     def _last_words(self) -> str:
@@ -180,7 +130,7 @@ class RenderProcess:
         lines = self._log.read().decode(errors="replace").strip().splitlines()
         return f"Blender: the rendering process ended with {status}: {' '.join(lines[-1:])}"
 
-    def _end(self) -> None:
+    def close(self) -> None:
         """End the child by closing its input; kill it if it does not end."""
         assert self._child.stdin is not None and self._child.stdout is not None
         with suppress(BrokenPipeError):
@@ -193,6 +143,126 @@ class RenderProcess:
         self._child.stdout.close()
         self._log.close()
         self._folder.cleanup()
+
+
+class RenderProcess(_Child):
+    """Renders an apartment in a process of its own. Use it as a context manager.
+
+    Parameters
+    ----------
+    job : Job
+    on_bake : callable, optional
+        Called if the light has to be baked first, which takes minutes.
+    files : mapping of str to bytes, optional
+        What stands in for ``job.folder`` where that cannot be reached: names relative to it.
+
+    Attributes
+    ----------
+    device : str
+        What renders: 'CPU', or the graphics cards' names.
+
+    Raises
+    ------
+    RoomsegError
+        If Blender cannot be loaded, or the device asked for is not there.
+    """
+
+    def __init__(
+        self,
+        job: Job,
+        on_bake: Callable[[], None] | None = None,
+        files: Mapping[str, bytes] | None = None,
+    ) -> None:
+        super().__init__(job, files)
+        self._size, self._seed = job.camera.image_size, job.seed
+        try:
+            self.device = str(self._first_answer(on_bake)["device"])
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> RenderProcess:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def frames(
+        self, indices: list[int], poses: NDArray[np.float64], seed: int | None = None
+    ) -> Generator[tuple[int, NDArray[np.float32]], None, None]:
+        """Render the nodes ``indices``; the child works one frame ahead of the caller.
+
+        Parameters
+        ----------
+        indices : list of int
+        poses : array, shape (n, 3) or (n, 5)
+            True poses of all nodes: m, m, rad, and how they lean; see `place_camera`.
+        seed : int, optional
+            Of the run, if it is another than the job's.
+
+        Yields
+        ------
+        index : int
+        radiance : array, shape ``camera.image_size``, float32
+
+        Raises
+        ------
+        RoomsegError
+            If a frame could not be rendered.
+        """
+        for ahead in indices[:1]:
+            self._ask(ahead, poses, seed)
+        for here, index in enumerate(indices):
+            for ahead in indices[here + 1 : here + 2]:
+                self._ask(ahead, poses, seed)
+            head, data = self._receive()
+            assert head["index"] == index
+            yield index, np.frombuffer(data, dtype="<f4").reshape(self._size)
+
+    def _ask(self, index: int, poses: NDArray[np.float64], seed: int | None = None) -> None:
+        pose = [float(value) for value in poses[index]]
+        seed = self._seed if seed is None else seed
+        self._send(json.dumps({"index": int(index), "pose": pose, "seed": int(seed)}))
+
+
+class LightProcess(_Child):
+    """Finds an apartment's baked light, or bakes it, in a process of its own.
+
+    Parameters
+    ----------
+    job : Job
+        With a preset that bakes.
+    """
+
+    def __init__(self, job: Job) -> None:
+        super().__init__(job, only_light=True)
+
+    def find(self, on_bake: Callable[[], None] | None = None) -> Path:
+        """Wait for the light, and say in which file it is.
+
+        Raises
+        ------
+        RoomsegError
+            If it can be neither found nor baked.
+        """
+        try:
+            return Path(self._first_answer(on_bake)["light"])
+        finally:
+            self.close()
+
+
+def _unpack(files: Mapping[str, bytes], folder: Path) -> Path:
+    """Write files into a new folder within ``folder``, which is returned."""
+    for name, content in files.items():
+        path = folder / "files" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    return folder / "files"
 
 
 def start_child(module: str, log: IO[bytes]) -> subprocess.Popen[bytes]:

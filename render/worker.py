@@ -19,6 +19,7 @@ import shutil
 import sys
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 from typing import Any, BinaryIO, NoReturn
@@ -30,6 +31,7 @@ from dataset.errors import RoomsegError
 from render.baked_scene import build_baked_scene
 from render.baking import bake, lay_out_apartment
 from render.blender import add_camera, build_scene
+from render.charts import Atlas
 from render.cycles import FrameSource, configure, select_device
 from render.libraries import load_bpy
 from render.light_store import bake_path, stored_light
@@ -57,20 +59,40 @@ def _prepare(line: str, on_bake: Callable[[], None]) -> tuple[FrameSource, str]:
         scene = build_scene(bpy, job.apartment, job.camera)
     configure(scene, job.preset, job.threads, glass=own)
     used = select_device(bpy, scene, job.device)
-    return FrameSource(bpy, scene, job.camera, job.seed, denoiser), used
+    return FrameSource(bpy, scene, job.camera, denoiser=denoiser), used
 
 
 def _baked(bpy: Any, job: Job, settings: Bake, on_bake: Callable[[], None]) -> Any:
     """The job's scene with its light baked, now or by an earlier job."""
+    atlas, path = _light_place(bpy, job, settings)
+    light = stored_light(path, atlas.shape, _baker(bpy, job, settings, on_bake))
+    return build_baked_scene(bpy, job.apartment, job.camera, atlas, light)
 
+
+def _light_place(bpy: Any, job: Job, settings: Bake) -> tuple[Atlas, Path]:
+    """How the apartment's surfaces are laid out, and where their light is kept."""
+    atlas = lay_out_apartment(job.apartment, settings)
+    return atlas, bake_path(job.apartment, settings, job.folder, bpy.app.version_string)
+
+
+def _baker(
+    bpy: Any, job: Job, settings: Bake, on_bake: Callable[[], None]
+) -> Callable[[], NDArray[np.float32]]:
     def make() -> NDArray[np.float32]:
         on_bake()
         return bake(bpy, job.apartment, settings, threads=job.threads, device=job.device)
 
-    atlas = lay_out_apartment(job.apartment, settings)
-    path = bake_path(job.apartment, settings, job.folder, bpy.app.version_string)
-    light = stored_light(path, atlas.shape, make)
-    return build_baked_scene(bpy, job.apartment, job.camera, atlas, light)
+    return make
+
+
+def _find_light(line: str, on_bake: Callable[[], None]) -> Path:
+    """See to it that the light of a job's apartment is baked; the file that it is in."""
+    job = Job.from_json(line)
+    assert job.preset.bake is not None
+    bpy = load_bpy()
+    atlas, path = _light_place(bpy, job, job.preset.bake)
+    stored_light(path, atlas.shape, _baker(bpy, job, job.preset.bake, on_bake))
+    return path
 
 
 def _answer(channel: BinaryIO, head: dict[str, Any], data: bytes = b"") -> None:
@@ -92,14 +114,22 @@ def read_lines(lines: SimpleQueue[str], folder: str) -> None:
     leave(folder, 0)
 
 
-def _serve(channel: BinaryIO, job: str, lines: SimpleQueue[str]) -> None:
+def _serve(channel: BinaryIO, request: dict[str, Any], lines: SimpleQueue[str]) -> None:
     """Answer the job, then every frame asked for; `read_lines` ends this."""
-    source, device = _prepare(job, lambda: _answer(channel, {"baking": True}))
+
+    def on_bake() -> None:
+        _answer(channel, {"baking": True})
+
+    if request["only_light"]:
+        _answer(channel, {"light": str(_find_light(request["job"], on_bake))})
+        return
+    source, device = _prepare(request["job"], on_bake)
     _answer(channel, {"device": device})
     while True:
-        request = json.loads(lines.get())
-        pose, index = np.array(request["pose"]), request["index"]
-        radiance = source.radiance(pose, index)
+        frame = json.loads(lines.get())
+        pose, index = np.array(frame["pose"]), frame["index"]
+        # The source's own seed is 0: maps of one apartment share it.
+        radiance = source.radiance(pose, frame["seed"] + index)
         _answer(channel, {"index": index}, radiance.astype("<f4").tobytes())
 
 
@@ -113,7 +143,7 @@ def main() -> None:
     Thread(target=read_lines, args=(lines, folder), daemon=True).start()
     try:
         try:
-            _serve(channel, request["job"], lines)
+            _serve(channel, request, lines)
         except (RoomsegError, SceneError) as error:
             _answer(channel, {"error": str(error)})
         except OSError as error:

@@ -7,7 +7,8 @@ there and right.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -19,12 +20,11 @@ import click
 from roomseg.cli.generate import is_there, write_homes
 from roomseg.cli.options import jobs_option
 from roomseg.cli.output import counted, follow, progress_bar, tell, write_table
+from roomseg.cli.rendering import ImageBar, rendered, scheduler_option, threads_option
 from roomseg.cli.runs import Outcome, Run, lost, recognise
 from roomseg.cli.simulate import clean, tell_all
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from render.cycles import Device
     from roomseg.cli.dataset_files import DatasetFiles
     from roomseg.cli.recipe import Place
@@ -47,7 +47,8 @@ Example:
     help="Folder of the dataset; made if it is missing.",
 )
 @jobs_option
-@click.option("--threads", type=click.IntRange(1), help="Threads of the renderer; all if absent.")
+@scheduler_option
+@threads_option
 @click.option(
     "--device",
     type=click.Choice(["auto", "cpu", "gpu"]),
@@ -62,6 +63,7 @@ def command(
     recipe: Path,
     output: Path,
     jobs: int,
+    scheduler: str | None,
     threads: int | None,
     device: Device,
     no_images: bool,
@@ -89,7 +91,7 @@ def command(
         if files.is_complete():
             click.echo(f"{output}: nothing is missing")
             return
-        tell_all(Work(files, jobs, threads, None if no_images else device).build())
+        tell_all(Work(files, jobs, scheduler, threads, None if no_images else device).build())
 
 
 def _show(files: DatasetFiles, *, images: bool) -> None:
@@ -116,6 +118,7 @@ class Work:
 
     files: DatasetFiles
     jobs: int
+    scheduler: str | None
     threads: int | None
     device: Device | None
 
@@ -220,54 +223,22 @@ class Work:
 
     def _render(self, maps: Sequence[Path]) -> Iterator[str]:
         """Add the images that are missing; yield one line on each map that has not got them."""
+        from render import Wanted
         from roomseg.cli.dataset_files import images_of
 
-        counts = {path: images_of(path) for path in maps}
-        done, total = (sum(column) for column in zip((0, 0), *counts.values(), strict=True))
-        with progress_bar("images") as bar:
-            show = follow(bar, self.files.recipe.preset.name)
-            show(done, total)
-            for path, (there, _) in counts.items():
-                others = done - there
-
-                def show_all(now: int, _: int, others: int = others) -> None:
-                    show(others + now, total)
-
-                new = self._add_images(path, bar, show_all)
-                done = others + images_of(path)[0]
-                if isinstance(new, str):
-                    yield new
-                elif new:
-                    tell(bar, f"{path}: {counted(new, 'new image')}")
-
-    def _add_images(self, path: Path, bar: Progress, show: Callable[[int, int], None]) -> int | str:
-        """Add the images that one map lacks; how many, or one line on why not."""
-        from dataset import RoomsegError
-        from render import render_map
-        from scenes import SceneError
-
         assert self.device is not None
-        bar.update(bar.task_ids[0], description=path.stem)
-
-        def tell_device(device: str) -> None:
-            tell(bar, f"{path}: rendering on {device}", err=True)
-
-        def tell_bake() -> None:
-            tell(bar, f"{path}: baking the light, once per apartment", err=True)
-
-        try:
-            return render_map(
-                path,
-                preset=self.files.recipe.preset,
-                threads=self.threads,
-                device=self.device,
-                hdr=self.files.recipe.hdr,
-                on_device=tell_device,
-                on_bake=tell_bake,
-                on_progress=show,
-            )
-        except (RoomsegError, SceneError, OSError) as error:
-            return str(error)
+        recipe = self.files.recipe
+        wanted = Wanted(recipe.preset, None, self.threads, self.device, recipe.hdr)
+        with progress_bar("images") as bar:
+            images = ImageBar(bar, {path: images_of(path) for path in maps})
+            with closing(
+                rendered(maps, wanted, images, jobs=self.jobs, scheduler=self.scheduler)
+            ) as outcomes:
+                for outcome in outcomes:
+                    if outcome.problem is not None:
+                        yield str(outcome.problem)
+                    elif outcome.count:
+                        tell(bar, f"{outcome.path}: {counted(outcome.count, 'new image')}")
 
 
 def _take(place: Place, path: Path) -> None:

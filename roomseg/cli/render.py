@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from roomseg.cli.contact_sheet import write_contact_sheet
-from roomseg.cli.options import maps_argument
-from roomseg.cli.output import follow, progress_bar, tell
+from roomseg.cli.options import jobs_option, maps_argument
+from roomseg.cli.output import progress_bar, tell
+from roomseg.cli.rendering import ImageBar, rendered, scheduler_option, threads_option
 
 if TYPE_CHECKING:
+    from render import Wanted
     from render.cycles import Device
 
 EXAMPLE = """\b
 Example:
   roomseg render maps/*.h5
+  roomseg render maps/*.h5 --jobs 4
   roomseg render maps/home-7-run1.h5 --preset preview --limit 20 --contact-sheet
 """
 
@@ -31,7 +36,9 @@ Example:
     "draft and quick (the same, noisier), preview (small).",
 )
 @click.option("--limit", type=click.IntRange(1), help="At most so many new images per map.")
-@click.option("--threads", type=click.IntRange(1), help="Threads of the renderer; all if absent.")
+@jobs_option
+@scheduler_option
+@threads_option
 @click.option(
     "--device",
     type=click.Choice(["auto", "cpu", "gpu"]),
@@ -55,6 +62,8 @@ def command(
     maps: tuple[Path, ...],
     preset: str,
     limit: int | None,
+    jobs: int,
+    scheduler: str | None,
     threads: int | None,
     device: Device,
     hdr: bool,
@@ -65,43 +74,51 @@ def command(
 
     Images that are there are kept, each new one is safe as soon as it is
     finished, and a stopped command goes on where it was when called again.
+    Several processes (--jobs, --scheduler) return images in chunks, of about 15 s.
     """
-    from dataset import FrameJournal, discard_frames, read_map
-    from render import preset_named, render_map, suited_preset
+    from render import Wanted, preset_named
 
-    wanted, presets = preset_named(preset), {}
-    for path in maps:
-        # All files are looked at before hours are spent on the first.
-        chosen = presets[path] = suited_preset(path, wanted)
-        camera = chosen.camera(read_map(path).camera)
-        if not force:
-            FrameJournal(path, camera, chosen.name, keep_radiance=hdr).close()
+    if scheduler is not None and jobs > 1:
+        raise click.UsageError("--jobs starts workers here, --scheduler uses those of a cluster")
+    wanted = Wanted(preset_named(preset), limit, threads, device, hdr, force)
+    counts, foreign = _looked_at(maps, wanted)
     with progress_bar("images") as bar:
-        for path in maps:
-            if force:
-                discard_frames(path)
-            show = follow(bar, path.name)
-            if presets[path] != wanted:
-                name = presets[path].name
-                tell(bar, f"{path}: a 3D scene of another make, rendered as {name!r}", err=True)
+        images = ImageBar(bar, counts)
+        for path in foreign:
+            images.tell(path, "a 3D scene of another make, rendered as 'reference'")
+        with closing(rendered(maps, wanted, images, jobs=jobs, scheduler=scheduler)) as outcomes:
+            for outcome in outcomes:
+                if outcome.problem is not None:
+                    raise outcome.problem
+                tell(bar, f"{outcome.path}: {outcome.count} new images")
+                if contact_sheet and (picture := write_contact_sheet(outcome.path)) is not None:
+                    tell(bar, str(picture))
 
-            def tell_device(device: str, path: Path = path) -> None:
-                tell(bar, f"{path}: rendering on {device}", err=True)
 
-            def tell_bake(path: Path = path) -> None:
-                tell(bar, f"{path}: baking the light, once per apartment", err=True)
+def _looked_at(
+    maps: Sequence[Path], wanted: Wanted
+) -> tuple[dict[Path, tuple[int, int]], list[Path]]:
+    """Look at all files before hours are spent on the first.
 
-            count = render_map(
-                path,
-                preset=presets[path],
-                limit=limit,
-                threads=threads,
-                device=device,
-                hdr=hdr,
-                on_device=tell_device,
-                on_bake=tell_bake,
-                on_progress=show,
-            )
-            tell(bar, f"{path}: {count} new images")
-            if contact_sheet and (picture := write_contact_sheet(path)) is not None:
-                tell(bar, str(picture))
+    Returns
+    -------
+    counts : dict of Path to (int, int)
+        Images that each map has, and will have.
+    foreign : list of Path
+        Maps whose apartment is a 3D scene that cannot be baked.
+    """
+    from dataset import FrameJournal, read_map
+    from render import suited_preset
+
+    counts, foreign = {}, []
+    for path in maps:
+        preset, topomap, done = suited_preset(path, wanted.preset), read_map(path), 0
+        if preset != wanted.preset:
+            foreign.append(path)
+        if not wanted.force:
+            camera = preset.camera(topomap.camera)
+            with FrameJournal(path, camera, preset.name, keep_radiance=wanted.hdr) as journal:
+                done = len(journal.done)
+        nodes = len(topomap.nodes)
+        counts[path] = (done, nodes if wanted.limit is None else min(nodes, done + wanted.limit))
+    return counts, foreign
