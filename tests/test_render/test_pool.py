@@ -56,8 +56,11 @@ def workers(pid: int) -> list[int]:
 
 
 @contextmanager
-def cluster() -> Iterator[str]:
-    """A scheduler and two workers in processes of their own, as a user starts them."""
+def cluster() -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """A scheduler and two workers in processes of their own, as a user starts them.
+
+    Yields the scheduler's address and process.
+    """
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     here = ["--host", "127.0.0.1", "--no-dashboard"]
     dask = [sys.executable, "-m", "dask"]
@@ -74,7 +77,7 @@ def cluster() -> Iterator[str]:
         for _ in range(2)
     ]
     try:
-        yield address
+        yield address, scheduler
     finally:
         for process in (*started, scheduler):
             process.kill()
@@ -108,7 +111,7 @@ def test_a_cluster_bakes_once_and_makes_the_same_bytes(tmp_path: Path) -> None:
     folder.mkdir()
     there = make_map(folder / "there.h5")
     told: list[str] = []
-    with cluster() as address:
+    with cluster() as (address, _):
         wanted = Wanted(BAKED)
         outcomes = list(
             render_maps([there], wanted, scheduler=address, tell=lambda _, line: told.append(line))
@@ -195,6 +198,23 @@ def test_nobody_outlives_a_killed_writer_and_the_next_goes_on(whole: bytes, tmp_
         time.sleep(0.1)
     assert not any(map(is_running, family))
     assert [(o.count, o.problem) for o in render_maps([path], Wanted(TINY), jobs=2)] == [(2, None)]
+    assert path.read_bytes() == whole
+
+
+def test_a_lost_scheduler_is_one_line_and_loses_nothing(whole: bytes, tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+    with cluster() as (address, scheduler):
+
+        def show(_: Path, done: int, __: int) -> None:
+            if done == 1:
+                scheduler.kill()
+
+        with pytest.raises(RoomsegError, match="the scheduler of Dask is lost") as caught:
+            list(render_maps([path], Wanted(TINY), scheduler=address, show=show))
+    assert "\n" not in str(caught.value)
+    with MapFile(path) as file:
+        assert 1 <= file.done.sum() < 4
+    render_map(path, preset=TINY)
     assert path.read_bytes() == whole
 
 

@@ -11,15 +11,16 @@ import time
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 import roomseg
 from dataset import MapFile, read_map, write_map
 from dataset.camera import FisheyeCamera
 from dataset.journal import journal_path
+from dataset.topomap import Nodes, Obstacles, TopoMap, Visits
 from roomseg.cli.main import main
 from scenes import load_apartment
-from simulator import simulate
 
 ROOT = Path(roomseg.__file__).parent.parent
 NODES = 12
@@ -27,9 +28,26 @@ NODES = 12
 
 @pytest.fixture(scope="module")
 def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A map of demo3 with a 48-pixel disc."""
+    """A map in demo3 with a 48-pixel disc: the robot turns where it starts."""
     path = tmp_path_factory.mktemp("bare") / "map.h5"
-    write_map(path, simulate(load_apartment("demo3"), camera=FisheyeCamera().resized(48)))
+    place, count = load_apartment("demo3"), 2 * NODES + 6
+    heading = np.linspace(0.0, 6.0, count)
+    pose = np.column_stack([np.tile(place.start.position, (count, 1)), heading])
+    zeros, nothing = np.zeros(count, int), np.zeros(0)
+    topomap = TopoMap(
+        environment="demo3",
+        run="run1",
+        seed=1,
+        created="1970-01-01T00:00:00Z",
+        software="test",
+        nodes=Nodes(pose[:, :2], heading, zeros, zeros, pose),
+        edges=np.zeros((0, 2), int),
+        visits=Visits(nothing.astype(int), nothing),
+        obstacles=Obstacles(np.zeros((0, 2)), nothing, nothing.astype(np.uint8)),
+        camera=FisheyeCamera().resized(48),
+        scene=place.model_dump_json(),
+    )
+    write_map(path, topomap)
     return path
 
 
