@@ -12,6 +12,7 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 
 import dask
 from distributed import Client, LocalCluster
@@ -70,6 +71,8 @@ def _remote(scheduler: str) -> Iterator[Client]:
 
 @contextmanager
 def _local(jobs: int) -> Iterator[Client]:
+    # Else the first worker starts it, which unblocks signals.
+    resource_tracker.ensure_running()
     # What this thread blocks now stays blocked in the workers: Ctrl-C is told to them
     # by the pool, which wants their frames first.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
