@@ -12,6 +12,7 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 
 import dask
 from distributed import Client, LocalCluster
@@ -70,6 +71,8 @@ def _remote(scheduler: str) -> Iterator[Client]:
 
 @contextmanager
 def _local(jobs: int) -> Iterator[Client]:
+    # Else the first worker starts it, which unblocks signals.
+    resource_tracker.ensure_running()
     # What this thread blocks now stays blocked in the workers: Ctrl-C is told to them
     # by the pool, which wants their frames first.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -79,6 +82,8 @@ def _local(jobs: int) -> Iterator[Client]:
             threads_per_worker=1,
             host="127.0.0.1",
             dashboard_address=None,
+            # Its server for metrics comes all the same, and would warn if its port is taken.
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             memory_limit=0,
             silence_logs=logging.CRITICAL,
         )
