@@ -11,7 +11,6 @@ the same. A stopped benchmark goes on with the undisturbed maps that are there.
 
 from __future__ import annotations
 
-import argparse
 import os
 import random
 import shutil
@@ -23,6 +22,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+
+import click
 
 from dataset import MapFile
 from dataset.journal import journal_path
@@ -115,14 +116,14 @@ def disturbed(paths: list[Path], kills: int, share: int) -> tuple[int, int, int]
         print(f"{finished(paths)} images, {dead_workers} and {dead_writers} killed", flush=True)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("-o", "--output", type=Path, required=True)
-    parser.add_argument("--images", type=int, default=500)
-    parser.add_argument("--kills", type=int, default=20)
-    options = parser.parse_args()
-    bare = made(options.output / "bare", options.images)
-    whole, faulty = options.output / "whole", options.output / "faulty"
+@click.command()
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True)
+@click.option("--images", default=500, show_default=True)
+@click.option("--kills", default=20, show_default=True, help="Of workers, and of the writer.")
+def main(output: Path, images: int, kills: int) -> None:
+    """Kill workers and the writer of a rendering job, and compare what comes of it."""
+    bare = made(output / "bare", images)
+    whole, faulty = output / "whole", output / "faulty"
     whole.mkdir(exist_ok=True)
     shutil.rmtree(faulty, ignore_errors=True)
     faulty.mkdir()
@@ -137,8 +138,8 @@ def main() -> None:
     )
     paths = [faulty / path.name for path in bare]
     total, begun = sum(map(nodes, paths)), time.perf_counter()
-    share = max(3, total // (options.kills + 1))
-    dead_workers, dead_writers, calls = disturbed(paths, options.kills, share)
+    share = max(3, total // (kills + 1))
+    dead_workers, dead_writers, calls = disturbed(paths, kills, share)
     same = sum((whole / path.name).read_bytes() == path.read_bytes() for path in paths)
     print(f"{total} images, {len(paths)} maps, {time.perf_counter() - begun:.0f} s, {calls} calls")
     print(f"workers killed {dead_workers}, writers killed {dead_writers}")
