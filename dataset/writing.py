@@ -11,6 +11,7 @@ from typing import Any
 import h5py
 
 from dataset.atomic import replacing
+from dataset.interrupts import interrupts_held
 
 __all__ = ["created"]
 
@@ -56,7 +57,7 @@ def created(path: str | Path) -> Iterator[h5py.File]:
     RoomsegError
         If it cannot be written.
     """
-    with replacing(path) as part, _Sink(part) as sink:
+    with interrupts_held(), replacing(path) as part, _Sink(part) as sink:
         try:
             with h5py.File(sink, "w") as file:
                 yield file

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dataset.borders import crosses_border
 from dataset.camera import SIMULATED_CAMERA, FisheyeCamera
 from dataset.errors import RoomsegError
+from dataset.interrupts import interrupts_held
 from dataset.topomap import GroundTruth, Nodes, TopoMap, Visits
 from scenes.apartment import Apartment
 from scenes.passages import room_borders
@@ -95,10 +96,24 @@ def simulate(
             f"{apartment.name}: start.position ({pose[0]:g}, {pose[1]:g}) is nearer than "
             f"{robot.radius:g} m to an obstacle, expected free floor"
         )
-    vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
-    CoverageStrategy(vehicle, progress).run()
+    with interrupts_held() as interrupt:
+        vehicle = Vehicle(world, pose, robot, sensor, np.random.default_rng(seed))
+        CoverageStrategy(vehicle, _stopped_by(interrupt, progress)).run()
     camera = replace(camera, height=sensor.camera_height)
     return _as_map(apartment, vehicle, camera, run=run, seed=seed, created=created)
+
+
+def _stopped_by(
+    interrupt: Callable[[], None], progress: Callable[[int, float], None] | None
+) -> Callable[[int, float], None]:
+    """What is called after every lane: first for Ctrl-C."""
+
+    def show(nodes: int, seconds: float) -> None:
+        interrupt()
+        if progress is not None:
+            progress(nodes, seconds)
+
+    return show
 
 
 def _as_map(
