@@ -49,3 +49,14 @@ def test_small_grids_that_are_no_apartments_are_cleaned_to_the_end(tmp_path):
     untimed = ("coverage,", "path", "full turns", "nodes per")
     for line, before in zip(again.splitlines(), once.splitlines(), strict=True):
         assert line == before or not any(word in line for word in untimed)
+
+
+@pytest.mark.slow
+def test_the_price_of_an_image_beside_the_plain_loop(tmp_path):
+    figures = tmp_path / "figures.json"
+    small = ("--place", "demo1", "--views", 2, "--loop-views", 1, "--disc", 96)
+    printed = run("render_price.py", *small, "--json", figures)
+    costs = list(json.loads(figures.read_text()).values())
+    assert len(costs) == 4 and "plain loop" in printed
+    assert costs[3]["cpu"] > costs[2]["cpu"] > 0.0
+    assert costs[0]["cpu"] > costs[1]["cpu"] > 0.0
