@@ -65,7 +65,9 @@ def known_truth(topomap: TopoMap) -> GroundTruth:
     return topomap.ground_truth
 
 
-def label_rooms(topomap: TopoMap, seed: int | None = None) -> TopoMap:
+def label_rooms(
+    topomap: TopoMap, seed: int | None = None, *, room_of_node: Integers | None = None
+) -> TopoMap:
     """Label every node with its room (§3.1.1).
 
     Parameters
@@ -74,6 +76,8 @@ def label_rooms(topomap: TopoMap, seed: int | None = None) -> TopoMap:
         With ``edge_is_border`` and ``room_count`` in its ground truth.
     seed : int, optional
         For the starts of k-means; the map's own seed by default.
+    room_of_node : array, shape (n,), optional
+        The room that each node is known to lie in, -1 if none: pieces within one are one.
 
     Returns
     -------
@@ -96,7 +100,10 @@ def label_rooms(topomap: TopoMap, seed: int | None = None) -> TopoMap:
         )
     rng = np.random.default_rng(topomap.seed if seed is None else seed)
     labels = rooms_by_clustering(graph, is_border, truth.room_count, rng)
-    labels = _confirmed(topomap, graph, truth, labels)
+    pieces = cut_pieces(topomap, graph, truth.edge_is_border)
+    if room_of_node is not None:
+        pieces = pieces.joined_within(room_of_node)
+    labels = _confirmed(topomap, graph, pieces, labels)
     return topomap.with_ground_truth(replace(truth, room=labels.astype(np.int32)))
 
 
@@ -132,6 +139,20 @@ class Pieces:
         order: Integers = np.lexsort((-self.size, self.is_strip))
         return order[:count]
 
+    def joined_within(self, room_of_node: Integers) -> Pieces:
+        """The same with those made one that lie in one room for the most part, strips left out."""
+        inside = (room_of_node >= 0) & ~self.is_strip[self.piece]
+        if not inside.any():
+            return self
+        nodes = np.zeros((len(self.size), room_of_node.max() + 1), dtype=np.int64)
+        np.add.at(nodes, (self.piece[inside], room_of_node[inside]), 1)
+        known, room = np.flatnonzero(nodes.any(axis=1)), nodes.argmax(axis=1)
+        first = {int(room[piece]): int(piece) for piece in known[::-1]}
+        owner = np.arange(len(self.size))
+        owner[known] = [first[int(room[piece])] for piece in known]
+        kept, piece = np.unique(owner[self.piece], return_inverse=True)
+        return Pieces(piece, np.bincount(piece), self.is_strip[kept])
+
 
 def cut_pieces(topomap: TopoMap, graph: MapGraph, edge_is_border: Flags) -> Pieces:
     """Cut the map's border edges, shape (e,).
@@ -148,9 +169,10 @@ def cut_pieces(topomap: TopoMap, graph: MapGraph, edge_is_border: Flags) -> Piec
     return Pieces(piece, size, 2 * touching >= size)
 
 
-def _confirmed(topomap: TopoMap, graph: MapGraph, truth: GroundTruth, labels: Integers) -> Integers:
+def _confirmed(topomap: TopoMap, graph: MapGraph, pieces: Pieces, labels: Integers) -> Integers:
     """Confirm the clustering's labels, or take the pieces'; see the module's text."""
-    pieces, count = cut_pieces(topomap, graph, truth.edge_is_border), truth.room_count
+    truth = known_truth(topomap)
+    count = truth.room_count
     size, rooms = pieces.size, pieces.largest(truth.room_count)
     name = f"{topomap.environment}/{topomap.run}"
     if len(size) < count:

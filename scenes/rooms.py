@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from scenes.apartment import Apartment
 
-__all__ = ["room_shapes", "rooms_at"]
+__all__ = ["room_of_each", "room_shapes", "rooms_at"]
 
 
 def room_shapes(apartment: Apartment) -> NDArray[np.object_]:
@@ -25,4 +25,14 @@ def room_shapes(apartment: Apartment) -> NDArray[np.object_]:
 def rooms_at(apartment: Apartment, spot: shapely.Point) -> list[int]:
     """Indices of the rooms that hold a point."""
     found: list[int] = np.flatnonzero(shapely.intersects(room_shapes(apartment), spot)).tolist()
+    return found
+
+
+def room_of_each(apartment: Apartment, positions: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The first room that holds each position (n, 2), shape (n,); -1 in a passage or outside."""
+    tree = shapely.STRtree(room_shapes(apartment))
+    spot, room = tree.query(shapely.points(positions), predicate="intersects")
+    found = np.full(len(positions), len(tree), dtype=np.int64)
+    np.minimum.at(found, spot, room)
+    found[found == len(tree)] = -1
     return found

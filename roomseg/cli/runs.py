@@ -126,6 +126,7 @@ def _simulate(run: Run, show: Show | None) -> CoverageReport:
     from dataset import discard_frames, write_map
     from dataset.journal import journal_path
     from roomseg.ground_truth import label_rooms
+    from scenes.rooms import room_of_each
     from simulator import simulate
 
     place = _place(run, checked=True)
@@ -141,7 +142,9 @@ def _simulate(run: Run, show: Show | None) -> CoverageReport:
         progress=show,
     )
     report = _report(run, topomap, place)
-    topomap = label_rooms(topomap)
+    assert topomap.nodes.true_pose is not None
+    inside = room_of_each(place, topomap.nodes.true_pose[:, :2])
+    topomap = label_rooms(topomap, room_of_node=inside)
     if journal_path(run.output).exists():
         # Frames of the map that is being replaced would not fit the new one.
         discard_frames(run.output)

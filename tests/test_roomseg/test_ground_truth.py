@@ -175,3 +175,35 @@ def test_a_lane_between_two_of_an_older_part_joins_them():
     topomap = replace(topomap, nodes=nodes)
     assert len(np.unique(pieces(topomap))) == 4
     assert labels_of(topomap).tolist() == (position[:, 0] > 1.95).astype(int).tolist()
+
+
+def test_pieces_of_one_known_room_are_one() -> None:
+    """Two parts of the run meet at x = 2.45 without an edge; the border is at x = 1.45."""
+    topomap = rows_map((1.45, 2.45), 2)
+    x = topomap.nodes.position[:, 0]
+    torn = (x[topomap.edges].min(axis=1) < 2.45) & (x[topomap.edges].max(axis=1) > 2.45)
+    topomap = replace(
+        topomap,
+        edges=topomap.edges[~torn],
+        ground_truth=replace(
+            topomap.ground_truth,
+            borders=topomap.ground_truth.borders[:1],
+            edge_is_border=topomap.ground_truth.edge_is_border[~torn],
+        ),
+    )
+    # A way round joins them, as the clustering needs one map: over the border twice.
+    far = np.array([[0, len(x) - 1]])
+    topomap = replace(
+        topomap,
+        edges=np.concatenate([topomap.edges, far]),
+        ground_truth=replace(
+            topomap.ground_truth,
+            edge_is_border=np.append(topomap.ground_truth.edge_is_border, True),
+        ),
+    )
+    with pytest.raises(FormatError, match="into 3 rooms, expected the room_count 2"):
+        label_rooms(topomap)
+    inside = np.where(x < 1.45, 0, 1)
+    inside[::7] = -1  # some nodes stand in no room
+    room = label_rooms(topomap, room_of_node=inside).ground_truth.room
+    assert (room == np.where(x < 1.45, 0, 1)).all()
