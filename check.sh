@@ -10,7 +10,7 @@ ruff check .
 mypy
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-mkdocs build --quiet --strict --site-dir "$scratch/site"
+mkdocs build --strict --site-dir "$scratch/site"  # with --quiet, warnings would not count
 python -m build --wheel --no-isolation --outdir "$scratch" >/dev/null
 pytest -q -n 2 "$@"
 ./check_wheel.sh "$scratch"/*.whl "$scratch/installed"

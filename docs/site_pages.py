@@ -25,6 +25,9 @@ ROOT = Path(__file__).resolve().parent.parent
 OUTSIDE = ("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff", "benchmarks/README.md")
 """Files of the repository that pages lead to, beside the examples."""
 
+WIDTH = 86
+"""Characters of a line of code."""
+
 UP = re.compile(r"(\]\()\.\./(?:docs/)?")
 DOWN = re.compile(r"(\]\()docs/")
 LOADED = re.compile(
@@ -66,12 +69,10 @@ def options_page() -> str:
     from roomseg.cli.main import cli
 
     parts = ["# All options", "What `roomseg COMMAND --help` prints."]
-    with click.Context(cli, info_name="roomseg") as context:
+    with click.Context(cli, info_name="roomseg", **cli.context_settings) as context:
         for name in cli.list_commands(context):
             command = cli.get_command(context, name)
             assert command is not None
-            with click.Context(
-                command, parent=context, info_name=name, max_content_width=96, terminal_width=96
-            ) as inner:
+            with click.Context(command, context, name, terminal_width=WIDTH) as inner:
                 parts.append(f"## roomseg {name}\n\n```text\n{command.get_help(inner)}\n```")
     return "\n\n".join(parts) + "\n"

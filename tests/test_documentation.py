@@ -1,4 +1,4 @@
-"""Pages lead where they say, in the repository as on the site, and the code of extending.md runs."""
+"""Links lead somewhere, in the repository as on the site; the code of extending.md runs."""
 
 from __future__ import annotations
 
