@@ -46,6 +46,25 @@ def test_links_lead_to_files_and_headings(page):
     assert lost == []
 
 
+def figures(text: str) -> set[str]:
+    """Numbers, thousands without a mark."""
+    whole = re.sub(r"(?<=\d)[,\u00a0\u202f ](?=\d{3}\b)", "", text)
+    return set(re.findall(r"\d+(?:\.\d+)?", whole))
+
+
+def test_results_are_those_of_the_pages_that_they_lead_to():
+    page, seen, lost = "", 0, []
+    for line in (ROOT / "docs" / "results.md").read_text(encoding="utf-8").splitlines():
+        if not line.startswith("| ") or line.startswith(("| what", "|---")):
+            continue
+        if found := re.search(r"\]\(([^)#]+)[^)]*\) \|$", line):
+            page = (ROOT / "docs" / found[1]).read_text(encoding="utf-8")
+        ours = figures(line.split("|")[2])
+        lost += [(line, figure) for figure in ours - figures(page)]
+        seen += len(ours)
+    assert lost == [] and seen > 30
+
+
 def test_pictures_are_small():
     large = [p for p in (ROOT / "docs").rglob("*") if p.suffix in {".png", ".jpg", ".gif"}]
     assert [p.name for p in large if p.stat().st_size > 350_000] == []
