@@ -6,6 +6,7 @@ source=$(dirname "$(realpath "$0")")
 wheel=$(realpath "$1")
 mkdir -p "$2/work"
 folder=$(realpath "$2")
+: >"$folder/log"
 export PYTHONPATH="$folder/packages"
 
 fail() { echo "check_wheel: $*" >&2; cat "$folder/log" >&2; exit 1; }
