@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
 from scenes import trigonometry
 
-__all__ = ["compiled"]
+__all__ = ["compiled", "is_kept"]
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -34,3 +34,9 @@ def compiled(function: Function) -> Function:
     # What is kept holds the functions that it calls, too; numba looks at one file only.
     dispatcher._cache._cache_file._source_stamp = _STAMP
     return cast(Function, dispatcher)
+
+
+def is_kept(function: Callable[..., object]) -> bool:
+    """Tell whether machine code of a compiled function is on disk; if not, its first call waits."""
+    index = cast(Any, function)._cache._cache_file._load_index()
+    return bool(index)

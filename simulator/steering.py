@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.compiled import compiled
+from simulator.compiled import compiled, is_kept
 from simulator.graph import Table, distance_at
 from simulator.gridcells import is_blocked_ahead
 from simulator.motion import NOW, Machine, Settings, has_room, step
@@ -51,6 +51,11 @@ class Ended(NamedTuple):
     why: int
     progress: float = 0.0
     cross: float = 0.0
+
+
+def is_compiled() -> bool:
+    """Tell whether a run can begin at once, without compiling the time steps first."""
+    return is_kept(turn)
 
 
 @compiled

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = """\b
 Example:
-  roomseg annotate maps/flat-run1.h5
+  roomseg annotate maps/home-7-run1.h5
   roomseg annotate maps/*.h5 --model model.skops
 """
 

@@ -80,14 +80,17 @@ def progress_bar(unit: str) -> Iterator[Progress]:
         redirect_stdout=sys.stdout.isatty(),
     )
     bar.start()
+    shown = False
     try:
         yield bar
-    except BaseException:
-        # The error is one line; neither a bar nor an empty line stays above it.
-        bar.live.transient = True
-        bar.live.stop()
-        raise
-    bar.stop()
+        shown = bool(bar.tasks)
+    finally:
+        if shown:
+            bar.stop()
+        else:
+            # An error is one line; neither a bar nor an empty line stays above it.
+            bar.live.transient = True
+            bar.live.stop()
 
 
 def follow(bar: Progress, name: str) -> Callable[[int, int], None]:

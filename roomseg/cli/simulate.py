@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 UNDATED = "1970-01-01T00:00:00Z"
 """The same date in all maps, whenever they were made."""
 
+COMPILING = "the simulator is compiled, once after it was installed; this takes some 20 s"
+
 EXAMPLE = """\b
 Example:
   roomseg simulate home7.json --runs 3 -o maps
@@ -250,11 +252,15 @@ def clean(runs: Sequence[Run], jobs: int, before: int) -> Iterator[Outcome]:
 
     ``before``: how many runs were done before.
     """
+    from simulator.steering import is_compiled
+
     with progress_bar("runs") as bar:
         folders = {run.output.parent.name for run in runs}
         title = (folders.pop() if len(folders) == 1 else "") or "maps"
         show = follow(bar, title)
         show(before, before + len(runs))
+        if not is_compiled():
+            tell(bar, COMPILING, err=True)
 
         def show_nodes(nodes: int, seconds: float) -> None:
             name = f"{nodes} nodes, {seconds / 60:.0f} min"

@@ -41,3 +41,13 @@ def test_figures_go_to_the_file(monkeypatch, err):
     out, shown = told(monkeypatch, io.StringIO(), err())
     assert out == "a.h5: 7 nodes [x] :ok:\n"
     assert "a.h5" not in shown and "alas\n" in shown
+
+
+@pytest.mark.parametrize("err", [Terminal, io.StringIO])
+def test_bars_without_a_line_leave_nothing(monkeypatch, err):
+    stream = err()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress_bar("images"):
+        pass
+    assert "\n" not in stream.getvalue()

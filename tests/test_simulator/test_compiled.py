@@ -24,7 +24,12 @@ from loops.inner import inner
 def outer():
     return inner()
 """
-RUN = "from loops.outer import outer; print(outer(), sum(outer.stats.cache_hits.values()))"
+RUN = """
+from loops.compiled import is_kept
+from loops.outer import outer
+
+print(is_kept(outer), outer(), sum(outer.stats.cache_hits.values()))
+"""
 
 
 def test_a_change_in_a_called_function_is_noticed(tmp_path):
@@ -45,6 +50,6 @@ def test_a_change_in_a_called_function_is_noticed(tmp_path):
         )
         return run.stdout.split()
 
-    assert printed(1) == ["1", "0"]
-    assert printed(1) == ["1", "1"]
-    assert printed(2) == ["2", "0"]
+    assert printed(1) == ["False", "1", "0"]
+    assert printed(1) == ["True", "1", "1"]
+    assert printed(2) == ["False", "2", "0"]
