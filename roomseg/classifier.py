@@ -12,7 +12,7 @@ none by default.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ from roomseg.model_bytes import make_repeatable
 __all__ = [
     "BorderModel",
     "ClassifierParameters",
+    "TrainingMap",
     "border_pipeline",
     "load_model",
     "save_model",
@@ -73,6 +74,24 @@ class ClassifierParameters:
 
 
 @dataclass(frozen=True)
+class TrainingMap:
+    """A map that a model was trained on, in figures; ``edges`` are those that were used."""
+
+    environment: str
+    run: str
+    nodes: int
+    rooms: int
+    edges: int
+    border_edges: int
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value, kind = getattr(self, field.name), str if field.type == "str" else int
+            if type(value) is not kind or (kind is int and value < 0):
+                raise FormatError(f"training map {field.name}: {value!r}, expected {kind.__name__}")
+
+
+@dataclass(frozen=True)
 class BorderModel:
     """A trained classifier and what is needed to use it.
 
@@ -83,11 +102,14 @@ class BorderModel:
     names : tuple of str
         The features that it was trained with, in order.
     parameters : ClassifierParameters
+    trained_on : tuple of TrainingMap
+        Empty if it is not known.
     """
 
     pipeline: Any
     names: tuple[str, ...]
     parameters: ClassifierParameters
+    trained_on: tuple[TrainingMap, ...] = ()
 
     def predict(self, features: EdgeFeatures) -> NDArray[np.bool_]:
         """Whether each edge crosses a room border (Eq. 15), shape (e',)."""
@@ -151,6 +173,7 @@ def save_model(model: BorderModel, path: str | Path) -> None:
         "version": MODEL_VERSION,
         "features": list(model.names),
         "parameters": asdict(model.parameters),
+        "trained_on": [asdict(item) for item in model.trained_on],
         "pipeline": model.pipeline,
     }
     with replacing(path) as temporary:
@@ -175,7 +198,10 @@ def load_model(path: str | Path) -> BorderModel:
         )
     try:
         parameters = ClassifierParameters(**content["parameters"])
-        return BorderModel(content["pipeline"], tuple(content["features"]), parameters)
+        trained_on = tuple(TrainingMap(**item) for item in content.get("trained_on", ()))
+        return BorderModel(content["pipeline"], tuple(content["features"]), parameters, trained_on)
+    except FormatError as error:
+        raise FormatError(f"{path}: {error}") from error
     except (KeyError, TypeError) as error:
         raise FormatError(f"{path}: incomplete model ({error}), train again") from error
 
