@@ -53,8 +53,12 @@ def map_page(
     found = (None, "") if rooms is None else (rooms.label, rooms.model)
     segmentations = [*segmentations_of(topomap, *found), *others]
     view = MapView(MapLayers(topomap, graph, outlines), topomap, segmentations)
+    images = _images(file, most_images)
     picture = text("<p class='quiet'>Point at a node to see its images.</p>", name="node")
-    view.show_images(picture, _images(file, most_images))
+    if any(images):
+        # So that nothing moves when the first ones are shown.
+        picture.min_height = THUMBNAIL + 60
+    view.show_images(picture, images)
     choice = view.feature_choice(graph.edges, features or {})
     replay = replay_controls(view.layers, view.nodes, view.switch, view.robots)
     title = f"{topomap.environment}, {topomap.run}"

@@ -32,6 +32,8 @@ Floats = NDArray[np.float64]
 
 NODE = 0.05
 """m; radius of a node's circle."""
+WIDE = 1.4
+"""Figures of maps that are so many times as wide as high stand one above the other."""
 DIFFERING = "differing nodes"
 ENDS = ("x0", "y0", "x1", "y1")
 COLOUR = """
@@ -202,7 +204,7 @@ class MapView:
         self.layers.add("room names", names, shown=True)
 
     def layout(self) -> Any:
-        """The figures side by side, each with a menu if there is a choice."""
+        """The figures side by side, each with a menu of what it shows if there are two."""
         if len(self.figures) == 1:
             return self.figures[0]
         options = [(str(i), item.name) for i, item in enumerate(self._segmentations)]
@@ -232,7 +234,13 @@ class MapView:
             column(row(select, about, height=44), plot, sizing_mode="stretch_both")
             for select, about, plot in zip(selects, abouts, self.figures, strict=True)
         ]
-        return row(*columns, sizing_mode="stretch_both")
+        arranged = column if self._is_wide() else row
+        return arranged(*columns, sizing_mode="stretch_both")
+
+    def _is_wide(self) -> bool:
+        """Whether the figures are larger one above the other."""
+        width, height = np.ptp(self.layers.position, axis=0)
+        return bool(width > WIDE * height)
 
     def feature_choice(self, edges: NDArray[Any], features: Mapping[str, Floats]) -> list[Any]:
         """A menu of what colours the edges, shape (e', 2), by their values, shape (e',)."""

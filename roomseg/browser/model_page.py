@@ -42,7 +42,7 @@ COLOURS = ("#B7BEC6", "#FFFFFF", BORDER_EDGE_GREEN)
 """No border, the boundary, a border."""
 NO_BORDER = "#6B7480"
 MANY = 2000
-"""Of more support vectors each is drawn smaller."""
+"""Of more support vectors those of no border are drawn smaller."""
 FEWEST_MAPS = 4
 """With fewer the three coefficients of Eq. 23 are not determined."""
 CHOOSE = """
@@ -175,6 +175,7 @@ def _planes(model: BorderModel) -> Any:
             "x": vectors[:, 0],
             "y": vectors[:, 1],
             "colour": np.where(is_border, BORDER_EDGE_GREEN, NO_BORDER).tolist(),
+            "size": np.where(is_border, 7, 6 if len(vectors) < MANY else 4),
             "kind": np.where(is_border, "border edges", "other edges").tolist(),
         },
         name="support vectors",
@@ -265,7 +266,7 @@ def _plane_figure(
         "x",
         "y",
         source=vectors,
-        size=6 if len(vectors.data["x"]) < MANY else 4,
+        size="size",
         fill_color="colour",
         line_color="white",
         line_width=0.7,

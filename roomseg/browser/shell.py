@@ -83,8 +83,8 @@ FEATURE_TITLES = {
     "length": "edge length, m",
     "passageway_width": "passageway width, m",
     "passageway": "passageway by its lintel, px",
-    "d_c": "difference of the panoramas, d_c",
-    "d_s": "difference of the signatures, d_s",
+    "d_c": "panorama difference d_c",
+    "d_s": "signature difference d_s",
 }
 """What the edge features are, with their units."""
 PALETTE = tuple(
@@ -144,8 +144,9 @@ def view_figure(**options: Any) -> Any:
     """An empty figure that fills the view, moved with the mouse and zoomed with its wheel."""
     plot = figure(
         sizing_mode="stretch_both",
-        min_height=420,
+        min_height=300,
         min_width=320,
+        min_border_left=48,
         tools=[],
         toolbar_location="above",
         **options,
