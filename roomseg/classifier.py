@@ -12,7 +12,7 @@ none by default.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -85,10 +85,12 @@ class TrainingMap:
     border_edges: int
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value, kind = getattr(self, field.name), str if field.type == "str" else int
-            if type(value) is not kind or (kind is int and value < 0):
-                raise FormatError(f"training map {field.name}: {value!r}, expected {kind.__name__}")
+        for name, value in asdict(self).items():
+            is_name = name in ("environment", "run")
+            if is_name and not isinstance(value, str):
+                raise FormatError(f"training map {name}: {value!r}, expected a name")
+            if not is_name and (type(value) is not int or value < 0):
+                raise FormatError(f"training map {name}: {value!r}, expected a number >= 0")
 
 
 @dataclass(frozen=True)

@@ -124,9 +124,7 @@ def _about(
     return about
 
 
-def _shown(
-    about: str, label: Integers, of: Segmentation, position: NDArray[np.float64]
-) -> Shown:
+def _shown(about: str, label: Integers, of: Segmentation, position: NDArray[np.float64]) -> Shown:
     rooms: dict[str, list[Any]] = {"x": [], "y": [], "name": []}
     for number in np.unique(label):
         inside = np.flatnonzero(label == number)

@@ -6,11 +6,12 @@ time, so that the page shows the first of them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 from bokeh.models import ColumnDataSource
 from numpy.typing import NDArray
 
@@ -72,7 +73,8 @@ class MapLayers:
         self.shown = ["kept edges", "plan" if known else "obstacle points"]
         self.tracks: dict[str, Track] = {}
         self.poses = self._poses()
-        self._sources = self._made_sources()
+        self._sources: dict[str, ColumnDataSource] = {}
+        self._make_sources()
 
     def add(self, name: str, renderer: Any, *, shown: bool = False) -> None:
         """Count something drawn to a layer."""
@@ -106,13 +108,12 @@ class MapLayers:
     def draw_truth(self, plot: Any) -> None:
         """Borders, and where the robot takes the nodes to be."""
         if "borders" in self._sources:
-            self.add("borders", self._line(plot, "borders", color=BORDER_BLACK, line_width=2.0))
-            self.shown += [] if "borders" in self.shown else ["borders"]
+            line = self._line(plot, "borders", color=BORDER_BLACK, line_width=2.0)
+            self.add("borders", line, shown=True)
         if self.frame == "scene":
             name = "estimated poses"
             self.add(name, self._line(plot, name, color=ESTIMATE, line_width=0.8))
-            estimate = self._topomap.nodes.position
-            source = self._source("estimate", {"x": estimate[:, 0], "y": estimate[:, 1]})
+            source = self._sources["estimated nodes"]
             self.add(name, plot.scatter("x", "y", source=source, size=3, color=ESTIMATE))
 
     def draw_robots(self, plot: Any, robots: Mapping[str, ColumnDataSource]) -> None:
@@ -135,16 +136,12 @@ class MapLayers:
         return plot.line("x", "y", source=self._sources[name], **look)
 
     def _source(self, name: str, columns: Mapping[str, Any]) -> ColumnDataSource:
-        """One source for all figures."""
-        if name not in self._sources:
-            self._sources[name] = ColumnDataSource(dict(columns), name=name)
+        """Make the source of a layer, one for all figures."""
+        self._sources[name] = ColumnDataSource(dict(columns), name=name)
         return self._sources[name]
 
-    def _made_sources(self) -> dict[str, ColumnDataSource]:
-        topomap, position = self._topomap, self.position
-        self._sources: dict[str, ColumnDataSource] = {}
-        if self.frame == "scene":
-            self._source("plan", areas(*_parts(self._outlines)))
+    def _make_sources(self) -> None:
+        topomap = self._topomap
         points = topomap.obstacles
         self._follow(
             "obstacle points",
@@ -160,9 +157,11 @@ class MapLayers:
         if truth is not None and truth.frame == self.frame and len(truth.borders):
             self._source("borders", line_columns(truth.borders))
         if self.frame == "scene":
-            drift = np.stack([position, topomap.nodes.position], axis=1)
+            self._source("plan", areas(*shapely.get_parts(self._outlines)))
+            estimate = topomap.nodes.position
+            drift = np.stack([self.position, estimate], axis=1)
             self._source("estimated poses", line_columns(drift))
-        return self._sources
+            self._source("estimated nodes", {"x": estimate[:, 0], "y": estimate[:, 1]})
 
     def _follow(self, name: str, columns: Mapping[str, Any], time: Floats) -> None:
         """A source that the replay shows the beginning of."""
@@ -175,8 +174,7 @@ class MapLayers:
         time = self.visited[pairs].max(axis=1) if len(pairs) else np.zeros(0)
         order = np.argsort(time, kind="stable")
         columns = line_columns(self.position[pairs[order]])
-        self._source(name, columns)
-        self.tracks[name] = Track(self._sources[name], np.repeat(time[order], 3))
+        self.tracks[name] = Track(self._source(name, columns), np.repeat(time[order], 3))
 
     @property
     def pose_times(self) -> Floats:
@@ -206,12 +204,6 @@ def line_columns(segments: Floats) -> dict[str, Floats]:
     gap = np.full((len(segments), 1), np.nan)
     x, y = (np.hstack([segments[:, :, axis], gap]).ravel() for axis in (0, 1))
     return {"x": x, "y": y}
-
-
-def _parts(outlines: Any) -> Sequence[Any]:
-    import shapely
-
-    return list(shapely.get_parts(outlines))
 
 
 def _first_visits(topomap: TopoMap) -> Floats:

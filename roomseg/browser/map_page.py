@@ -28,6 +28,7 @@ THUMBNAIL = 240
 def map_page(
     file: MapFile,
     outlines: Any = None,
+    *,
     features: Mapping[str, Floats] | None = None,
     others: Sequence[Segmentation] = (),
     facts: Sequence[tuple[str, str]] = (),

@@ -87,7 +87,7 @@ class MapView:
         self._shown = shown_beside(segmentations, layers.position)
         self.nodes = ColumnDataSource(self._node_columns(topomap), name="nodes")
         self.robots = robot_sources(layers)
-        self._values = ColumnDataSource({k: [] for k in ENDS + ("value",)}, name="edge values")
+        self._values = ColumnDataSource({k: [] for k in (*ENDS, "value")}, name="edge values")
         self._value_colours = LinearColorMapper(palette=Viridis256, low=0.0, high=1.0)
         self._value_lines: list[Any] = []
         self._names: list[ColumnDataSource] = []
@@ -205,8 +205,11 @@ class MapView:
 
     def layout(self) -> Any:
         """The figures side by side, each with a menu of what it shows if there are two."""
-        if len(self.figures) == 1:
+        if not self._shown:
             return self.figures[0]
+        if len(self.figures) == 1:
+            about = f"{self._segmentations[0].name}: {self._shown[0][0].about}"
+            return column(text(escape(about)), self.figures[0], sizing_mode="stretch_both")
         options = [(str(i), item.name) for i, item in enumerate(self._segmentations)]
         selects = [
             Select(options=options, value=str(index), name=f"rooms{index}", width=260)

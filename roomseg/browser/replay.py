@@ -121,8 +121,7 @@ def replay_controls(
         "paths": [switch.labels.index(shown)],
         "pose_times": layers.pose_times,
         "robots": [
-            [source, *np.ascontiguousarray(layers.poses[name].T)]
-            for name, source in robots.items()
+            [source, *np.ascontiguousarray(layers.poses[name].T)] for name, source in robots.items()
         ],
         "mouth": MOUTH,
         "not_yet": NOT_YET,

@@ -40,8 +40,8 @@ from numpy.typing import NDArray
 from roomseg.figures.style import room_colours
 
 __all__ = [
-    "PALETTE",
     "FEATURE_TITLES",
+    "PALETTE",
     "WIDTH",
     "areas",
     "chart",
@@ -213,7 +213,9 @@ def table(
         How numbers are written (Numbro's format).
     """
     made = [
-        TableColumn(field=name, title=title, width=width, formatter=_formatter(source, name, digits))
+        TableColumn(
+            field=name, title=title, width=width, formatter=_formatter(source, name, digits)
+        )
         for name, (title, width) in columns.items()
     ]
     rows = len(next(iter(source.data.values()), ()))

@@ -92,9 +92,7 @@ def _is_apartment(path: Path) -> bool:
 
 def _charts(values: list[Values]) -> list[Chart]:
     labels = dict.fromkeys(label for own in values for label in own)
-    return [
-        Chart(label, {"": [own[label] for own in values if label in own]}) for label in labels
-    ]
+    return [Chart(label, {"": [own[label] for own in values if label in own]}) for label in labels]
 
 
 def _facts(folder: Path, items: list[FolderItem]) -> list[tuple[str, str]]:

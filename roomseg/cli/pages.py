@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["page_of"]
 
 
-def page_of(
-    source: Path, kind: Kind, others: Sequence[Path] = (), rooms: int | None = None
-) -> str:
+def page_of(source: Path, kind: Kind, others: Sequence[Path] = (), rooms: int | None = None) -> str:
     """Make the page of a file or a folder.
 
     Parameters
@@ -62,7 +60,8 @@ def _map_page(source: Path, others: Sequence[Path], rooms: int | None) -> str:
         complete = len(file.done) > 0 and bool(file.done.all())
         found = edge_features(file, SUBSETS["all" if complete else "no-camera"])
         features = {name: found.column(name) for name in found.names}
-        return map_page(file, outlines_of(file.topomap.scene), features, compared, facts)
+        outlines = outlines_of(file.topomap.scene)
+        return map_page(file, outlines, features=features, others=compared, facts=facts)
 
 
 def _compared(
@@ -85,7 +84,7 @@ def _other_rooms(source: Path, file: MapFile, other: Path) -> Iterator[Segmentat
         _check_copy(source, file.topomap, other, copy.topomap)
         own, its = _labels(file), _labels(copy)
         truth = copy.topomap.ground_truth
-    new = [name for name, label in its.items() if not np.array_equal(label, own.get(name))]
+    new = [name for name in its if name not in own or not np.array_equal(its[name], own[name])]
     if not new:
         raise RoomsegError(f"{other}: has no rooms but those of {source}, expected some to compare")
     for name in new:
