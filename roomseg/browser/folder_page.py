@@ -102,8 +102,8 @@ def folder_page(
         heading(name),
         fact_list(facts),
         text(
-            "<h2>Files</h2><p class='quiet'>A click on a file shows it alone (Ctrl, Shift: "
-            "several; Ctrl again: none), on a column's head sorts.</p>"
+            "<h2>Files</h2><p class='quiet'>A click on a file shows it alone (with Ctrl or Shift "
+            "several, with Ctrl again all); one on a column's head sorts.</p>"
         ),
         table({"name": ("file", 200), "kind": ("kind", 75), "rooms": ("rooms", 45)}, files),
         *(_histogram(item) for item in charts if _size(item) >= FEWEST),

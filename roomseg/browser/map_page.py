@@ -48,18 +48,13 @@ def map_page(
     facts : sequence of (name, value)
         What to tell of the map.
     most_images : int
-        Of more nodes none are shown, so that the page stays small.
+        If there are more, none are in the page, so that it stays small.
     """
     topomap, rooms, graph = file.topomap, file.rooms, preprocess(file.topomap)
     found = (None, "") if rooms is None else (rooms.label, rooms.model)
     segmentations = [*segmentations_of(topomap, *found), *others]
     view = MapView(MapLayers(topomap, graph, outlines), topomap, segmentations)
-    images = _images(file, most_images)
-    picture = text("<p class='quiet'>Point at a node to see its images.</p>", name="node")
-    if any(images):
-        # So that nothing moves when the first ones are shown.
-        picture.min_height = THUMBNAIL + 60
-    view.show_images(picture, images)
+    picture = _picture(file, view, most_images)
     choice = view.feature_choice(graph.edges, features or {})
     replay = replay_controls(view.layers, view.nodes, view.switch, view.robots)
     title = f"{topomap.environment}, {topomap.run}"
@@ -76,9 +71,23 @@ def map_page(
     )
 
 
+def _picture(file: MapFile, view: MapView, most: int) -> Any:
+    """Where the images of a node are shown."""
+    hint = "Point at a node to see its images."
+    if file.image_count > most:
+        hint = f"The {file.image_count} images are left out, so that the page stays small."
+    picture = text(f"<p class='quiet'>{hint}</p>", name="node")
+    images = _images(file, most)
+    if any(images):
+        # So that nothing moves when the first ones are shown.
+        picture.min_height = THUMBNAIL + 60
+    view.show_images(picture, images)
+    return picture
+
+
 def _images(file: MapFile, most: int) -> list[list[str]]:
     """Small images and panoramas of the nodes as data URLs; none where there is none."""
-    if len(file.done) > most:
+    if file.image_count > most:
         return [[] for _ in file.done]
     unfold = Unfolding.of(file.topomap.camera, PanoramaParameters())
     return [_views(file.image(node), unfold) if done else [] for node, done in enumerate(file.done)]

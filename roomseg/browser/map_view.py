@@ -97,7 +97,7 @@ class MapView:
         self.figures = [self._figure(index) for index in range(count)]
         for other in self.figures[1:]:
             other.x_range, other.y_range = self.figures[0].x_range, self.figures[0].y_range
-        self.switch = layer_switch(layers.renderers, layers.shown)
+        self.switch = layer_switch(layers.renderers, layers.shown, coloured=True)
 
     def _node_columns(self, topomap: TopoMap) -> dict[str, Any]:
         n, position = len(topomap.nodes), self.layers.position
@@ -179,7 +179,7 @@ class MapView:
                 radius=1.35 * NODE,
                 fill_color=None,
                 line_color=BORDER_BLACK,
-                line_width=1.4,
+                line_width=1.0,
                 line_alpha="differs",
             )
             self.layers.add(DIFFERING, ring, shown=True)

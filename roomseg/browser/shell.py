@@ -73,6 +73,7 @@ PANEL = {"background": "#F4F4F2", "padding": "8px 12px", "overflow-y": "auto"}
 TWO_COLUMNS = """
 .bk-input-group { columns: 2; display: block } label { display: flex; align-items: center }
 """
+SWATCH = "content: ''; width: 10px; height: 10px; border-radius: 2px; margin-left: 6px"
 SWITCH = """
 renderers.forEach((own, index) => {
   for (const item of own) item.visible = layers.active.includes(index)
@@ -115,7 +116,9 @@ def fact_list(facts: Sequence[tuple[str, str]]) -> Div:
     return text(f"<dl>{lines}</dl>")
 
 
-def layer_switch(renderers: Mapping[str, Sequence[Any]], shown: Sequence[str]) -> CheckboxGroup:
+def layer_switch(
+    renderers: Mapping[str, Sequence[Any]], shown: Sequence[str], *, coloured: bool = False
+) -> CheckboxGroup:
     """Boxes that switch layers on and off.
 
     Parameters
@@ -124,12 +127,15 @@ def layer_switch(renderers: Mapping[str, Sequence[Any]], shown: Sequence[str]) -
         What shows a layer, by its name.
     shown : sequence of str
         The layers that are on at first.
+    coloured : bool
+        Whether the colour of a layer stands behind its name.
     """
+    style = STYLE + TWO_COLUMNS + (_swatches(renderers) if coloured else "")
     switch = CheckboxGroup(
         labels=[*renderers],
         active=[index for index, name in enumerate(renderers) if name in shown],
         name="layers",
-        stylesheets=[InlineStyleSheet(css=STYLE + TWO_COLUMNS)],
+        stylesheets=[InlineStyleSheet(css=style)],
         width=WIDTH - 20,
     )
     for name, own in renderers.items():
@@ -138,6 +144,17 @@ def layer_switch(renderers: Mapping[str, Sequence[Any]], shown: Sequence[str]) -
     arguments = {"layers": switch, "renderers": [list(own) for own in renderers.values()]}
     switch.js_on_change("active", CustomJS(args=arguments, code=SWITCH))
     return switch
+
+
+def _swatches(renderers: Mapping[str, Sequence[Any]]) -> str:
+    """CSS: behind each layer's name its colour, if it has a single one."""
+    rules = []
+    for index, own in enumerate(renderers.values(), 1):
+        looks = [getattr(own[0].glyph, f"{part}_color", None) for part in ("line", "fill")]
+        # What is no colour is nothing, or the name of a column.
+        for colour in [look for look in looks if str(look).startswith("#")][:1]:
+            rules.append(f"label:nth-of-type({index})::after {{ {SWATCH}; background: {colour} }}")
+    return "\n".join(rules)
 
 
 def view_figure(**options: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,7 +55,9 @@ def _map_page(source: Path, others: Sequence[Path], rooms: int | None) -> str:
     from roomseg.browser.map_page import map_page
     from roomseg.features import SUBSETS, edge_features
 
-    facts = [line for line in map_lines(summarise(source)) if line[0] != "environment"]
+    # Whoever gets the page need not learn where the file was.
+    summary = replace(summarise(source), file=source.name)
+    facts = [line for line in map_lines(summary) if line[0] != "environment"]
     with MapFile(source) as file:
         compared = [item for other in others for item in _compared(source, file, other, rooms)]
         complete = len(file.done) > 0 and bool(file.done.all())
