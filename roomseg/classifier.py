@@ -201,11 +201,26 @@ def load_model(path: str | Path) -> BorderModel:
     try:
         parameters = ClassifierParameters(**content["parameters"])
         trained_on = tuple(TrainingMap(**item) for item in content.get("trained_on", ()))
-        return BorderModel(content["pipeline"], tuple(content["features"]), parameters, trained_on)
+        names, pipeline = tuple(content["features"]), content["pipeline"]
+        _check_trained(pipeline, names)
+        return BorderModel(pipeline, names, parameters, trained_on)
     except FormatError as error:
         raise FormatError(f"{path}: {error}") from error
     except (KeyError, TypeError) as error:
         raise FormatError(f"{path}: incomplete model ({error}), train again") from error
+
+
+def _check_trained(pipeline: Any, names: tuple[str, ...]) -> None:
+    """Refuse what is no trained classifier of these features (FormatError)."""
+    steps = list(pipeline) if isinstance(pipeline, Pipeline) else []
+    if [type(step) for step in steps] != [StandardScaler, SVC]:
+        raise FormatError("incomplete model, expected a scaler and an SVC; train again")
+    trained_with = [
+        np.shape(getattr(step, name, ()))[-1:]
+        for step, name in zip(steps, ("mean_", "support_vectors_"), strict=True)
+    ]
+    if trained_with != [(len(names),)] * 2:
+        raise FormatError(f"incomplete model, not trained with its {len(names)} features")
 
 
 def _trusted_content(path: Path) -> Any:

@@ -17,7 +17,6 @@ from bokeh.plotting.contour import contour_data
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 from numpy.typing import NDArray
 
-from dataset.errors import FormatError
 from roomseg.browser.shell import (
     FEATURE_TITLES,
     chart,
@@ -67,25 +66,14 @@ def model_page(model: BorderModel, name: str) -> str:
     model : BorderModel
     name : str
         Of its file.
-
-    Raises
-    ------
-    FormatError
-        If the classifier is not a trained one of these features.
     """
-    try:
-        view = _planes(model)
-        features = _features(model)
-        facts = _facts(model)
-    except (AttributeError, IndexError, TypeError, ValueError) as error:
-        raise FormatError(f"{name}: not a trained classifier ({error}), train again") from error
     return page(
         name,
-        view,
+        _planes(model),
         heading(name, "room-border classifier, a support vector machine (§2.3)"),
-        fact_list(facts),
+        fact_list(_facts(model)),
         text("<h2>Features</h2><p class='quiet'>with mean and spread of the training edges</p>"),
-        features,
+        _features(model),
         *_trained_on(model.trained_on),
         *_room_count(model.trained_on),
     )
@@ -161,8 +149,6 @@ def _room_count(maps: tuple[TrainingMap, ...]) -> list[Any]:
 def _planes(model: BorderModel) -> Any:
     """The view: a plane of two features with the support vectors, and a menu of planes."""
     vectors = _support_vectors(model)
-    if len(model.names) != vectors.shape[1]:
-        raise ValueError(f"{vectors.shape[1]} features, expected {len(model.names)}")
     planes = [_plane(model, vectors, *pair) for pair in combinations(range(len(model.names)), 2)]
     if not planes:
         return text("<p class='quiet'>A single feature spans no plane.</p>")
