@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -26,8 +27,8 @@ from scenes.summary import summarise_apartment
 __all__ = ["page_of_folder"]
 
 SUFFIXES = (".json", ".h5", ".skops")
-APARTMENT = b"roomseg-apartment"
-"""Stands at the beginning of an apartment's file; other JSON files are left alone."""
+APARTMENT = (b'"roomseg-apartment"', b'"polygon"')
+"""One of these stands at the beginning of an apartment's file; other JSON files are left alone."""
 HEAD = 4096
 MOST_PICTURES = 200
 """Of more files only so many, evenly chosen, have a picture."""
@@ -76,8 +77,8 @@ def page_of_folder(folder: Path) -> str:
 def _files(folder: Path) -> Iterator[Path]:
     """Apartments, maps and models by their names, without what is hidden."""
     for at, folders, names in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        for name in sorted(names):
+        folders[:] = sorted((name for name in folders if not name.startswith(".")), key=_by_number)
+        for name in sorted(names, key=_by_number):
             path = Path(at) / name
             if name.startswith(".") or path.suffix not in SUFFIXES or not path.is_file():
                 continue
@@ -85,9 +86,16 @@ def _files(folder: Path) -> Iterator[Path]:
                 yield path
 
 
+def _by_number(name: str) -> list[str | int]:
+    """Sorts home-2 before home-10."""
+    parts = re.split(r"([0-9]+)", name)
+    return [int(part) if index % 2 else part for index, part in enumerate(parts)]
+
+
 def _is_apartment(path: Path) -> bool:
     with path.open("rb") as file:
-        return APARTMENT in file.read(HEAD)
+        head = file.read(HEAD)
+    return any(word in head for word in APARTMENT)
 
 
 def _charts(values: list[Values]) -> list[Chart]:

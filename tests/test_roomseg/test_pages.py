@@ -117,7 +117,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_map(folder / "moved.h5", replace(FLAT, nodes=moved))
     _write_model(folder / "model.skops")
     home = two_rooms("home", description="<b>a home</b>")
-    home["format"] = "roomseg-apartment"
     home["furniture"] = [{"kind": "chair", "position": [2.5, 1.2]}]
     (folder / "home.json").write_text(json.dumps(home))
     write_map(folder / "placed.h5", replace(FLAT, scene=json.dumps(home)))
@@ -339,6 +338,13 @@ def test_a_model_tells_what_it_is_made_of(folder: Path, tmp_path: Path, tab: Pag
     assert tab.of("maps", "data.environment[0]") == NAME
     assert tab.of("maps", "data.nodes[0]") == len(FLAT.nodes)
     assert set(tab.of("support vectors", "data.kind")) == {"border edges", "other edges"}
+
+
+def test_files_are_in_the_order_of_their_numbers(folder: Path, tmp_path: Path) -> None:
+    for number in (10, 2):
+        shutil.copy(folder / "home.json", tmp_path / f"home-{number}.json")
+    page = page_of(folder, tmp_path).read_text(encoding="utf-8")
+    assert page.index('"home-2.json"') < page.index('"home-10.json"')
 
 
 @in_browser
