@@ -31,6 +31,7 @@ from roomseg.model_bytes import make_repeatable
 __all__ = [
     "BorderModel",
     "ClassifierParameters",
+    "TrainingMap",
     "border_pipeline",
     "load_model",
     "save_model",
@@ -73,6 +74,26 @@ class ClassifierParameters:
 
 
 @dataclass(frozen=True)
+class TrainingMap:
+    """A map that a model was trained on, in figures; ``edges`` are those that were used."""
+
+    environment: str
+    run: str
+    nodes: int
+    rooms: int
+    edges: int
+    border_edges: int
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            is_name = name in ("environment", "run")
+            if is_name and not isinstance(value, str):
+                raise FormatError(f"training map {name}: {value!r}, expected a name")
+            if not is_name and (type(value) is not int or value < 0):
+                raise FormatError(f"training map {name}: {value!r}, expected a number >= 0")
+
+
+@dataclass(frozen=True)
 class BorderModel:
     """A trained classifier and what is needed to use it.
 
@@ -83,11 +104,14 @@ class BorderModel:
     names : tuple of str
         The features that it was trained with, in order.
     parameters : ClassifierParameters
+    trained_on : tuple of TrainingMap
+        Empty if it is not known.
     """
 
     pipeline: Any
     names: tuple[str, ...]
     parameters: ClassifierParameters
+    trained_on: tuple[TrainingMap, ...] = ()
 
     def predict(self, features: EdgeFeatures) -> NDArray[np.bool_]:
         """Whether each edge crosses a room border (Eq. 15), shape (e',)."""
@@ -151,6 +175,7 @@ def save_model(model: BorderModel, path: str | Path) -> None:
         "version": MODEL_VERSION,
         "features": list(model.names),
         "parameters": asdict(model.parameters),
+        "trained_on": [asdict(item) for item in model.trained_on],
         "pipeline": model.pipeline,
     }
     with replacing(path) as temporary:
@@ -175,9 +200,27 @@ def load_model(path: str | Path) -> BorderModel:
         )
     try:
         parameters = ClassifierParameters(**content["parameters"])
-        return BorderModel(content["pipeline"], tuple(content["features"]), parameters)
+        trained_on = tuple(TrainingMap(**item) for item in content.get("trained_on", ()))
+        names, pipeline = tuple(content["features"]), content["pipeline"]
+        _check_trained(pipeline, names)
+        return BorderModel(pipeline, names, parameters, trained_on)
+    except FormatError as error:
+        raise FormatError(f"{path}: {error}") from error
     except (KeyError, TypeError) as error:
         raise FormatError(f"{path}: incomplete model ({error}), train again") from error
+
+
+def _check_trained(pipeline: Any, names: tuple[str, ...]) -> None:
+    """Refuse what is no trained classifier of these features (FormatError)."""
+    steps = list(pipeline) if isinstance(pipeline, Pipeline) else []
+    if [type(step) for step in steps] != [StandardScaler, SVC]:
+        raise FormatError("incomplete model, expected a scaler and an SVC; train again")
+    trained_with = [
+        np.shape(getattr(step, name, ()))[-1:]
+        for step, name in zip(steps, ("mean_", "support_vectors_"), strict=True)
+    ]
+    if trained_with != [(len(names),)] * 2:
+        raise FormatError(f"incomplete model, not trained with its {len(names)} features")
 
 
 def _trusted_content(path: Path) -> Any:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dataset.errors import FormatError
-from roomseg.classifier import BorderModel, ClassifierParameters, train
+from roomseg.classifier import BorderModel, ClassifierParameters, TrainingMap, train
 from roomseg.labelled_map import LabelledMap
 from roomseg.metrics import (
     BorderQuality,
@@ -141,7 +141,19 @@ def train_on(
     names = maps[0].features.names
     values = [item.features.subset(names).values for item in maps]
     is_border = [item.is_border for item in maps]
-    return train(np.concatenate(values), np.concatenate(is_border), names, parameters)
+    model = train(np.concatenate(values), np.concatenate(is_border), names, parameters)
+    return replace(model, trained_on=tuple(_training_map(item) for item in maps))
+
+
+def _training_map(item: LabelledMap) -> TrainingMap:
+    return TrainingMap(
+        item.environment,
+        item.run,
+        nodes=item.features.graph.node_count,
+        rooms=int(item.room_count),
+        edges=len(item.is_border),
+        border_edges=int(item.is_border.sum()),
+    )
 
 
 def segment_map(item: LabelledMap, model: BorderModel | None, seed: int = 0) -> NDArray[np.int32]:

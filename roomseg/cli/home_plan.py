@@ -139,8 +139,8 @@ def _parts(piece: Piece) -> list[tuple[float, Symbol]]:
     from scenes.pieces import piece_parts
 
     parts = piece_parts(piece)
-    group = group_of(piece.kind)
+    group, name = group_of(piece.kind), piece.kind.replace("_", " ")
     if min(part.bottom for part in parts) >= HEAD:
         outline = shapely.union_all([part.footprint for part in parts])
-        return [(max(part.top for part in parts), Symbol(group, outline, hung=True))]
-    return [(part.top, Symbol(group, part.footprint)) for part in parts]
+        return [(max(part.top for part in parts), Symbol(group, outline, hung=True, name=name))]
+    return [(part.top, Symbol(group, part.footprint, name=name)) for part in parts]

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from dataset.topomap import Settings
     from scenes.summary import ApartmentSummary
 
+__all__ = ["apartment_lines", "command", "dataset_lines", "map_lines"]
+
 SUMS = (
     ("places", "{}"),
     ("rooms", "{}"),
@@ -67,7 +69,7 @@ def command(*, source: Path, output: Path | None, json_file: Path | None) -> Non
 
         summary = summarise(source)
         write_json(json_file, asdict(summary))
-        _echo(_lines(summary))
+        _echo(map_lines(summary))
 
 
 def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) -> None:
@@ -75,7 +77,7 @@ def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) 
 
     figures = read_manifest(folder)
     write_json(json_file, figures)
-    _echo(_dataset_lines(folder, figures))
+    _echo(dataset_lines(folder, figures))
     rows = [
         (split, *(form.format(sums[name]) if sums["maps"] else "-" for name, form in SUMS))
         for split, sums in (figures["splits"] | {"all": figures["total"]}).items()
@@ -89,7 +91,8 @@ def _inspect_dataset(folder: Path, output: Path | None, json_file: Path | None) 
         click.echo(str(output))
 
 
-def _dataset_lines(folder: Path, figures: dict[str, Any]) -> list[tuple[str, str]]:
+def dataset_lines(folder: Path, figures: dict[str, Any]) -> list[tuple[str, str]]:
+    """What there is to tell of a dataset."""
     from roomseg.cli.manifest import changed_files
 
     d, total = figures, figures["total"]
@@ -119,7 +122,7 @@ def _inspect_apartment(source: Path, json_file: Path | None) -> None:
 
     summary = summarise_apartment(load_apartment(str(source)))
     write_json(json_file, asdict(summary))
-    _echo(_apartment_lines(summary))
+    _echo(apartment_lines(summary))
     rows = [
         (
             room.name,
@@ -135,7 +138,8 @@ def _inspect_apartment(source: Path, json_file: Path | None) -> None:
     write_table("", columns, rows)
 
 
-def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
+def apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
+    """What there is to tell of an apartment, but for its rooms."""
     s = summary
     pieces = ", ".join(f"{count} {kind}" for kind, count in s.pieces.items())
     passages = (
@@ -156,7 +160,8 @@ def _apartment_lines(summary: ApartmentSummary) -> list[tuple[str, str]]:
     ]
 
 
-def _lines(summary: Summary) -> list[tuple[str, str]]:
+def map_lines(summary: Summary) -> list[tuple[str, str]]:
+    """What there is to tell of a map."""
     s = summary
     length = "" if s.median_edge_length is None else f", median length {s.median_edge_length:.3f} m"
     driven = "" if s.path_length is None else f", {s.path_length:.1f} m driven"

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from roomseg.classifier import BorderModel
     from roomseg.preprocessing import MapGraph
 
+__all__ = ["command", "found_rooms", "room_count"]
+
 EXAMPLE = """\b
 Example:
   roomseg segment maps/home-7-run1.h5 --model model.skops
@@ -48,23 +50,12 @@ def command(
     json_file: Path | None,
 ) -> None:
     """Find the rooms of a map and write them back into it (§2.4)."""
-    import numpy as np
-
     from dataset import read_map, write_rooms
-    from roomseg.classifier import load_model
-    from roomseg.preprocessing import preprocess
-    from roomseg.segmentation import segment
 
     topomap = read_map(map_file)
-    count = _room_count(map_file, topomap, rooms)
-    model = None if model_file is None else load_model(model_file)
+    count = room_count(map_file, topomap, rooms)
     name = "uniform weights" if model_file is None else model_file.name
-    if model is None:
-        graph, is_border, rho = preprocess(topomap), None, 1.0
-    else:
-        graph, is_border = _borders(map_file, model)
-        rho = model.parameters.rho
-    label = segment(graph, is_border, count, np.random.default_rng(seed), rho)
+    label, _ = found_rooms(map_file, topomap, model_file, count, seed)
     write_rooms(map_file, label, model=name, rooms=count)
     figures = _figures(map_file, name, topomap, label)
     write_json(json_file, figures)
@@ -73,7 +64,8 @@ def command(
     click.echo(line if impurity is None else f"{line}, impurity {100 * impurity:.2f} %")
 
 
-def _room_count(path: Path, topomap: TopoMap, rooms: int | None) -> int:
+def room_count(path: Path, topomap: TopoMap, rooms: int | None) -> int:
+    """As many as were asked for, or as the ground truth has (RoomsegError if it has none)."""
     from dataset import RoomsegError
 
     if rooms is not None:
@@ -81,6 +73,32 @@ def _room_count(path: Path, topomap: TopoMap, rooms: int | None) -> int:
     if topomap.ground_truth is None:
         raise RoomsegError(f"{path}: has no ground truth to take the room count from; give --rooms")
     return topomap.ground_truth.room_count
+
+
+def found_rooms(
+    path: Path, topomap: TopoMap, model_file: Path | None, count: int, seed: int
+) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Find rooms with a model, or with equal weights for all edges (§2.4).
+
+    Returns
+    -------
+    label : array, shape (n,)
+    crossing : array, shape (k, 2)
+        Nodes of the edges that the model takes for border edges.
+    """
+    import numpy as np
+
+    from roomseg.classifier import load_model
+    from roomseg.preprocessing import preprocess
+    from roomseg.segmentation import segment
+
+    rng = np.random.default_rng(seed)
+    if model_file is None:
+        graph = preprocess(topomap)
+        return segment(graph, None, count, rng, 1.0), graph.edges[:0]
+    model = load_model(model_file)
+    graph, is_border = _borders(path, model)
+    return segment(graph, is_border, count, rng, model.parameters.rho), graph.edges[is_border]
 
 
 def _borders(path: Path, model: BorderModel) -> tuple[MapGraph, NDArray[np.bool_]]:

@@ -1,7 +1,8 @@
-"""``roomseg view``: draw a map or an apartment."""
+"""``roomseg view``: draw a map or an apartment, or show it, a model, or a folder as a page."""
 
 from __future__ import annotations
 
+import tempfile
 import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from roomseg.cli.options import output_option
-from roomseg.cli.panels import SHOWN, map_panels, outlines_of
-from roomseg.cli.sources import is_apartment
+from roomseg.cli.options import OutputFile
+from roomseg.cli.panels import SHOWN, map_panels
+from roomseg.cli.sources import Kind, is_apartment, kind_of
 
 if TYPE_CHECKING:
     from scenes import Apartment
@@ -21,19 +22,40 @@ PHOTOS = (".png", ".jpg", ".jpeg")
 
 EXAMPLE = """\b
 Example:
+  roomseg view maps/sim4-run1.h5
+  roomseg view maps/sim4-run1.h5 --compare model.skops -o page.html
   roomseg view home7.json -o home7.pdf
   roomseg view sim4 --cutaway -o sim4.jpg
   roomseg view maps/sim4-run1.h5 --show graph --show rooms -o rooms.png
-  roomseg view maps/sim4-run1.h5 --browser -o sim4.html
+  roomseg view model.skops
+  roomseg view maps -o maps.html
 """
 
 
 @click.command("view", epilog=EXAMPLE)
-@click.argument("source", metavar="MAP|APARTMENT", type=click.Path(path_type=Path))
-@output_option(
-    "A picture (.png, .svg, .pdf; with --cutaway .png, .jpg), or of a map a page (.html)."
+@click.argument("source", metavar="MAP|APARTMENT|MODEL|FOLDER", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=OutputFile(),
+    help="A page (.html), or of a map or an apartment a picture (.png, .svg, .pdf; with "
+    "--cutaway .png, .jpg). If absent, a page in the browser.",
 )
-@click.option("--browser", is_flag=True, help="Open the page in the browser, too.")
+@click.option("--browser", is_flag=True, help="Open the page that -o names in the browser, too.")
+@click.option(
+    "--compare",
+    "others",
+    metavar="MODEL|MAP",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="On a map's page: also the rooms that a model finds, or that another copy of the map "
+    "has; may be repeated.",
+)
+@click.option(
+    "--rooms",
+    type=click.IntRange(1),
+    help="How many rooms a model of --compare shall find; the ground truth's if absent.",
+)
 @click.option(
     "--show",
     multiple=True,
@@ -66,52 +88,85 @@ Example:
 def command(
     *,
     source: Path,
-    output: Path,
-    show: tuple[str, ...],
+    output: Path | None,
     browser: bool,
+    others: tuple[Path, ...],
+    rooms: int | None,
+    show: tuple[str, ...],
     cutaway: bool,
     dpi: int,
     size: int,
     samples: int,
 ) -> None:
-    """Draw a map, or the plan of an apartment, or its cut-away picture.
+    """Look at a map, an apartment, a trained model, or a folder of them.
 
-    A map is drawn by its run, obstacle points, graph, rooms and some images. An apartment is a
-    file or the name of a reference place; --cutaway shows the one a map was
-    recorded in, too. A map's page needs nothing but a browser: layers, rooms side by side, the
-    run replayed, features and images of the nodes.
+    A page needs nothing but a browser: of a map it has layers, rooms side by side, the run
+    replayed, features and images of the nodes; of an apartment its plan; of a model what it
+    was trained on and where it sees borders; of a folder a small picture of each file.
+    An apartment is a file or the name of a reference place; --cutaway shows the one a map
+    was recorded in, too.
     """
-    _check_name(output, PHOTOS if cutaway else DRAWINGS)
-    is_page = output.suffix.lower() == ".html"
-    if is_page and (show or is_apartment(source)):
-        raise click.UsageError(f"-o {output}: a page is of a map, and has all layers")
-    if browser and not is_page:
-        raise click.UsageError(f"--browser: opens a page, expected -o FILE.html, not {output}")
-    _check_options(("dpi",) if cutaway else ("size", "samples"), cutaway)
-    if show and (cutaway or is_apartment(source)):
-        raise click.UsageError(f"--show {show[0]}: says what to draw of a map, not of an apartment")
+    kind = kind_of(source)
+    is_page = not cutaway and (output is None or output.suffix.lower() == ".html")
+    _check(kind, output, is_page, browser=browser, show=show, cutaway=cutaway)
+    _check_comparison(kind, is_page, others, rooms)
+    if is_page:
+        from roomseg.cli.pages import page_of
+
+        page = page_of(source, kind, others, rooms)
+        _write_page(page, source, output, browser)
+        return
+    assert output is not None
     if cutaway:
         from render.cutaway import draw_cutaway
 
         apartment = _apartment(source)
         draw_cutaway(apartment, output, size=size, samples=samples, folder=source.parent)
-    elif output.suffix.lower() == ".html":
-        _write_page(source, output)
     else:
-        draw = _draw_plan if is_apartment(source) else _draw_map
-        _write(draw(source, show), output, dpi)
+        _write(_draw_plan(source) if kind == "apartment" else _draw_map(source, show), output, dpi)
     click.echo(str(output))
-    if browser:
-        webbrowser.open(output.resolve().as_uri())
 
 
-def _check_name(output: Path, suffixes: tuple[str, ...]) -> None:
-    """Refuse a name before the work rather than after it."""
+def _check(
+    kind: Kind,
+    output: Path | None,
+    is_page: bool,
+    *,
+    browser: bool,
+    show: tuple[str, ...],
+    cutaway: bool,
+) -> None:
+    """Refuse what does not fit together, before the work rather than after it."""
     from dataset import RoomsegError
 
+    _check_options(("dpi",) if cutaway else ("size", "samples"), cutaway)
+    if show and (cutaway or kind != "map"):
+        raise click.UsageError(f"--show {show[0]}: says what to draw of a map, of nothing else")
+    if show and is_page:
+        raise click.UsageError(f"--show {show[0]}: a page has all layers; -o FILE.png is a picture")
+    if output is None:
+        if cutaway:
+            raise click.UsageError("--cutaway: makes a picture, give its name with -o")
+        return
+    suffixes = PHOTOS if cutaway else DRAWINGS
     if output.suffix.lower() not in suffixes:
         known = " or ".join(suffixes)
         raise RoomsegError(f"{output}: not a picture's name, expected one that ends in {known}")
+    if browser and not is_page:
+        raise click.UsageError(f"--browser: opens a page, expected -o FILE.html, not {output}")
+    if kind in ("model", "folder") and not is_page:
+        hint = "; `roomseg inspect` draws a dataset" if kind == "folder" else ""
+        raise click.UsageError(f"-o {output}: a {kind} has a page, expected -o FILE.html{hint}")
+
+
+def _check_comparison(
+    kind: Kind, is_page: bool, others: tuple[Path, ...], rooms: int | None
+) -> None:
+    """Refuse to compare where nothing shows it."""
+    if others and (kind != "map" or not is_page):
+        raise click.UsageError(f"--compare {others[0]}: only a map's page shows it")
+    if rooms is not None and not any(kind_of(other) == "model" for other in others):
+        raise click.UsageError(f"--rooms {rooms}: for a model of --compare, which is not there")
 
 
 def _check_options(without_use: tuple[str, ...], cutaway: bool) -> None:
@@ -155,26 +210,26 @@ def _draw_map(source: Path, show: tuple[str, ...]) -> Any:
     return figure
 
 
-def _write_page(source: Path, output: Path) -> None:
-    """The page of a map, with those features that can be computed without images."""
-    from dataset import MapFile
-    from dataset.atomic import write_text
-    from roomseg.browser.viewer import map_page
-    from roomseg.features import SUBSETS, edge_features
-
-    with MapFile(source) as file:
-        complete = len(file.done) > 0 and bool(file.done.all())
-        found = edge_features(file, SUBSETS["all" if complete else "no-camera"])
-        features = {name: found.column(name) for name in found.names}
-        write_text(output, map_page(file, outlines_of(file.topomap.scene), features))
-
-
-def _draw_plan(source: Path, show: tuple[str, ...]) -> Any:
+def _draw_plan(source: Path) -> Any:
     """The figure of an apartment."""
     from roomseg.cli.home_plan import home_plan
     from roomseg.figures import home_plan_figure
 
     return home_plan_figure(home_plan(_apartment(source)))
+
+
+def _write_page(page: str, source: Path, output: Path | None, browser: bool) -> None:
+    """Write the page, and open it if it was asked for or has no name."""
+    from dataset.atomic import write_text
+
+    if output is None:
+        # The browser reads it after this command has ended; the system tidies it up.
+        output = Path(tempfile.mkdtemp(prefix="roomseg-")) / f"{source.resolve().stem}.html"
+        browser = True
+    write_text(output, page)
+    click.echo(str(output))
+    if browser:
+        webbrowser.open(output.resolve().as_uri())
 
 
 def _write(figure: Any, output: Path, dpi: int) -> None:

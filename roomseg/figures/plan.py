@@ -34,7 +34,12 @@ from roomseg.figures.style import (
 )
 
 __all__ = [
+    "FRAME",
+    "GAP",
     "GROUPS",
+    "LEAF",
+    "SOLID",
+    "START",
     "HomePlan",
     "PlanDoor",
     "PlanRoom",
@@ -43,6 +48,7 @@ __all__ = [
     "draw_home_plan",
     "home_plan_figure",
     "plan_scale",
+    "tint",
 ]
 
 Floats = NDArray[np.float64]
@@ -117,12 +123,13 @@ class PlanWindow:
 class Symbol:
     """A part of a piece of furniture from above, and the piece's group of `GROUPS`.
 
-    ``hung`` ones are above the plan's section and drawn dashed.
+    ``hung`` ones are above the plan's section and drawn dashed; ``name`` is the piece's.
     """
 
     group: str
     shape: Any
     hung: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -203,7 +210,7 @@ def _lines(ax: Any, segments: Floats, gid: str, **style: Any) -> None:
         ax.add_collection(LineCollection(list(segments), gid=gid, **look))
 
 
-def _tint(colour: Any, share: float) -> tuple[float, float, float]:
+def tint(colour: Any, share: float) -> tuple[float, float, float]:
     """A colour mixed with white; ``share`` of it remains."""
     red, green, blue = 1.0 - share * (1.0 - np.array(to_rgb(colour)))
     return float(red), float(green), float(blue)
@@ -211,14 +218,14 @@ def _tint(colour: Any, share: float) -> tuple[float, float, float]:
 
 def _draw_rooms(ax: Any, plan: HomePlan) -> None:
     for room, colour in zip(plan.rooms, room_colours(len(plan.rooms)), strict=True):
-        _area(ax, room.floor, "room", facecolor=_tint(colour, 0.16), edgecolor="none")
+        _area(ax, room.floor, "room", facecolor=tint(colour, 0.16), edgecolor="none")
 
 
 def _draw_furniture(ax: Any, symbols: Iterable[Symbol]) -> None:
     """Seen from above: what is higher covers what is lower; of hung pieces the outline."""
     for symbol in symbols:
         colour = GROUPS[symbol.group]
-        style: dict[str, Any] = {"facecolor": _tint(colour, 0.32), "zorder": 2}
+        style: dict[str, Any] = {"facecolor": tint(colour, 0.32), "zorder": 2}
         if symbol.hung:
             style = {"facecolor": "none", "linewidth": 0.6, "linestyle": HUNG, "zorder": 3}
         _area(ax, symbol.shape, "furniture", edgecolor=colour, **style)
@@ -342,7 +349,7 @@ def _draw_legend(ax: Any, plan: HomePlan) -> None:
 def _legend_entries(plan: HomePlan) -> Iterator[Any]:
     present = {symbol.group for symbol in plan.symbols} | ({"lamps"} if len(plan.lamps) else set())
     for group in [group for group in GROUPS if group in present]:
-        yield _box(group, _tint(GROUPS[group], 0.32), GROUPS[group])
+        yield _box(group, tint(GROUPS[group], 0.32), GROUPS[group])
     border = {"color": BORDER["colors"], "linestyle": BORDER["linestyles"], "linewidth": 1.4}
     lintels = any(door.lintel for door in plan.doors)
     signs = (

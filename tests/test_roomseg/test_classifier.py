@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from dataset.errors import FormatError
 from roomseg.classifier import (
     BorderModel,
     ClassifierParameters,
+    TrainingMap,
     border_pipeline,
     load_model,
     save_model,
@@ -173,3 +175,49 @@ def test_wrong_content_is_refused(model: BorderModel, tmp_path: Path) -> None:
     skops.io.dump({"format": "roomseg-model", "version": 1, "features": []}, path)
     with pytest.raises(FormatError, match="incomplete model"):
         load_model(path)
+
+
+def test_a_model_knows_its_maps(model: BorderModel, tmp_path: Path) -> None:
+    path = tmp_path / "model.skops"
+    maps = (TrainingMap("home", "run1", nodes=400, rooms=3, edges=900, border_edges=12),)
+    save_model(replace(model, trained_on=maps), path)
+    assert load_model(path).trained_on == maps
+    save_model(model, path)
+    assert load_model(path).trained_on == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"trained_on": [{"environment": "x"}]}, "incomplete model"),
+        ({"trained_on": 5}, "incomplete model"),
+        ({"trained_on": [["x", "y", 1, 1, 1, 1]]}, "incomplete model"),
+        ({"pipeline": "hello"}, "expected a scaler and an SVC"),
+        ({"pipeline": border_pipeline()}, "not trained with its 3 features"),
+        ({"features": ["length"]}, "not trained with its 1 features"),
+    ],
+)
+def test_what_a_model_tells_is_checked(
+    model: BorderModel, tmp_path: Path, change: dict[str, object], line: str
+) -> None:
+    path = tmp_path / "model.skops"
+    content = {
+        "format": "roomseg-model",
+        "version": 1,
+        "features": list(NAMES),
+        "parameters": asdict(ClassifierParameters()),
+        "pipeline": model.pipeline,
+    }
+    skops.io.dump(content, path)
+    assert load_model(path).names == NAMES
+    skops.io.dump(content | change, path)
+    with pytest.raises(FormatError, match=line) as error:
+        load_model(path)
+    assert str(error.value).startswith(str(path))
+
+
+def test_figures_of_a_training_map_are_numbers() -> None:
+    with pytest.raises(FormatError, match="training map rooms: '<b>', expected a number"):
+        TrainingMap("home", "run1", nodes=4, rooms="<b>", edges=9, border_edges=1)
+    with pytest.raises(FormatError, match="training map run: 3, expected a name"):
+        TrainingMap("home", 3, nodes=4, rooms=1, edges=9, border_edges=1)

@@ -6,12 +6,14 @@ import itertools
 import json
 import os
 import resource
+import shlex
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import click
 import h5py
 import numpy as np
 import pytest
@@ -87,6 +89,29 @@ def test_every_command_explains_itself_with_an_example(name):
     assert f"roomseg {name} " in result.output.split("Example:")[1]
 
 
+def examples(name: str) -> list[list[str]]:
+    """Command lines of the help of a command, or of the group, whatever shell is around them."""
+    command = cli.get_command(click.Context(cli), name) if name else cli
+    lines = command.epilog.replace("\\\n", " ").splitlines()
+    found = [line[line.index("roomseg ") :] for line in lines if "roomseg " in line]
+    return [shlex.split(line, comments=True)[1:] for line in found]
+
+
+@pytest.mark.parametrize("name", ["", *NAMES])
+def test_every_example_of_the_help_parses(folder, name):
+    lines = examples(name)
+    assert lines
+    for first, *arguments in lines:
+        for before, path in zip(["", *arguments], map(Path, arguments), strict=False):
+            # What it reads is there, and so is the folder of what it writes.
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if path.suffix and before != "-o":
+                path.touch()
+        command = cli.get_command(click.Context(cli), first)
+        assert command is not None, first
+        command.make_context(first, list(arguments)).close()
+
+
 def test_help_lists_every_command_in_order():
     result = CliRunner().invoke(cli, ["--help"])
     assert result.exit_code == 0
@@ -137,7 +162,7 @@ def test_unknown_command_and_option(folder, capsys):
         (["train", "flat.h5", "--C", "nan"], "nan is not a finite number"),
         (["train", "flat.h5", "--C", "0"], "0.0 is not in the range"),
         (["train", "flat.h5", "-o", "none/m.skops"], "the folder none does not exist"),
-        (["view", "flat.h5"], "Missing option '-o'"),
+        (["view"], "Missing argument 'MAP|APARTMENT|MODEL|FOLDER'"),
         (["view", "flat.h5", "-o", "a.png", "--show", "taste"], "'taste' is not one of"),
         (["inspect", "flat.h5", "--json", "none/a.json"], "the folder none does not exist"),
     ],
@@ -163,6 +188,7 @@ READERS = [
     ["inspect"],
     ["validate"],
     ["view", "-o", "map.png"],
+    ["view", "-o", "map.html"],
 ]
 
 
@@ -180,6 +206,8 @@ def test_bad_map_files(folder, capsys, map_bytes, arguments):
         "foreign.h5": "foreign.h5: attribute format: None, expected 'roomseg-map'",
         ".": ".: is a folder",
     }.items():
+        if name == "view" and path == ".":
+            continue
         assert refused(capsys, name, path, *options).startswith(message)
 
 
@@ -251,7 +279,7 @@ def test_view_of_what_is_not_there(folder, capsys):
     line = refused(capsys, "view", "demo9", "-o", "a.png")
     assert line.startswith("demo9: no such file, nor a reference place (demo1,")
     line = refused(capsys, "view", "demo1", "-o", "a.png", "--show", "run")
-    assert line.startswith("--show run: says what to draw of a map, not of an apartment")
+    assert line.startswith("--show run: says what to draw of a map, of nothing else")
     Path("home.json").write_text('{"name": "home"}')
     assert refused(capsys, "view", "home.json", "-o", "a.png").startswith("home.json: rooms")
     line = refused(capsys, "view", "flat.h5", "--cutaway", "-o", "a.png")

@@ -244,6 +244,18 @@ def test_inspect_sums_up_and_draws(folder, capsys):
     assert "`roomseg view` draws" in capsys.readouterr().err
 
 
+def test_the_page_of_a_dataset(folder):
+    assert build() == 0
+    made = contents("homes")
+    assert main(["view", "homes", "-o", "homes.html"]) == 0
+    page = Path("homes.html").read_text(encoding="utf-8")
+    for name in ("apartments/two.json", "train/two-run2.h5", "test/other-run1.h5"):
+        assert page.count(name) > 1, "as a card and in the table"
+    assert "manifest.json" not in page
+    assert "3 of 3, " in page, "what inspect tells of the maps"
+    assert contents("homes") == made
+
+
 def test_images_are_made_and_kept(folder, capsys):
     lamps = [{"position": [0.8, 0.8]}, {"position": [2.5, 0.8]}]
     write_rooms("two", lamps=lamps, lighting={"source": "interior"})
