@@ -150,7 +150,7 @@ def intervals(
 
 @click.command()
 @click.option("-o", "--output", type=click.Path(path_type=Path), default="out/fidelity")
-@click.option("--preset", default="quick", show_default=True, help="Render settings.")
+@click.option("--preset", default="fast", show_default=True, help="Render settings.")
 @click.option("--no-images", is_flag=True, help="Only what needs no images.")
 @click.option("--within", default=150, show_default=True, help="Within-room edges per place.")
 @click.option("--seed", default=0, show_default=True, help="Of the sample.")
