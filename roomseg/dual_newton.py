@@ -37,9 +37,10 @@ Integers = NDArray[np.int64]
 WIDTHS = (0.3, 0.03, 0.003, 0.0003)
 PASSES = 12
 """Changes of the multipliers at most; three or four are usual."""
-ROUNDS = 40
-STEPS = 40
-"""Looks at all rows, and Newton steps between two of them, at most."""
+ROUNDS, STEPS = 40, 200
+"""Looks at all rows, and Newton steps, at most, for one set of multipliers."""
+REACH = 0.1
+"""Rows farther than this from a later band are left out of its first steps."""
 RIDGE = 1e-9
 """Keeps b determined where no row is in the band."""
 
@@ -74,13 +75,15 @@ class Direction:
     """Where a Newton step leads: f + t values, b + t bias.
 
     ``slope`` and ``curvature`` are those of |w|² / 2 and of the rows left out along it;
-    ``coefficients`` are the space's own.
+    ``multipliers`` are those of the active rows at t = 1, and ``coefficients`` are the
+    space's own.
     """
 
     values: Floats
     bias: float
     slope: float
     curvature: float
+    multipliers: Floats
     coefficients: Floats
 
 
@@ -181,6 +184,7 @@ def solve(
     start: DualPoint,
     tolerance: float,
     widths: Sequence[float] = WIDTHS,
+    reach: float = np.inf,
 ) -> DualPoint:
     """Find the multipliers of a C-SVM.
 
@@ -198,16 +202,18 @@ def solve(
         For `DualPoint.violation`.
     widths : sequence of float
         δ, in turn; the last one is used until the tolerance is met.
+    reach : float
+        Rows farther from the first band are left out of the first steps.
 
     Returns
     -------
     DualPoint
         Its ``violation`` may be above the tolerance if that was not reached.
     """
-    alpha, bias, steps, moved = start.alpha, start.bias, 0, np.inf
-    violation = np.inf
+    alpha, bias, steps, violation = start.alpha, start.bias, 0, np.inf
     for width in chain(widths, repeat(widths[-1], PASSES)):
-        alpha, bias, taken, moved = _smoothed(space, y, cost, alpha, bias, width, tolerance, moved)
+        alpha, bias, taken = _smoothed(space, y, cost, alpha, bias, width, reach, tolerance)
+        reach = max(REACH, 3.0 * width)
         steps += taken
         violation = kkt_violation(alpha, cost, y * (space.values + bias))
         if violation <= tolerance:
@@ -222,38 +228,35 @@ def _smoothed(
     alpha: Floats,
     bias: float,
     width: float,
+    reach: float,
     tolerance: float,
-    moved: float,
-) -> tuple[Floats, float, int, float]:
-    """Minimise the objective smoothed with a width: next α, b, steps, and how far f went."""
+) -> tuple[Floats, float, int]:
+    """Minimise the objective smoothed with a width: next α, b, and the steps taken."""
     pull, steps = cost / width, 0
     p = _project(alpha, pull, cost, y * (space.values + bias))
     for _ in range(ROUNDS):
-        has_band = bool(((p > 0.0) & (p < cost)).any())
-        reach = max(2.0 * moved, 2.0 * width) if has_band else np.inf
+        if not ((p > 0.0) & (p < cost)).any():
+            reach = np.inf
         place = alpha / pull + 1.0 - y * (space.values + bias)
         active = np.flatnonzero((place > -reach) & (place < width + reach))
         rows = _Rows(alpha[active], pull[active], cost[active], y[active])
-        f, moved = space.restrict(active, p), 0.0
-        for _ in range(STEPS):
-            f, bias, last, converged = _newton_step(space, rows, f, bias, reach - moved)
+        f, moved, found = space.restrict(active, p), 0.0, None
+        while found is None and moved < 0.999 * reach and steps < STEPS:
+            f, bias, last, found = _newton_step(space, rows, f, bias, reach - moved, tolerance)
             steps, moved = steps + 1, moved + last
-            if converged or last <= 1e-3 * tolerance or moved >= 0.999 * reach:
-                break
-        if not converged and last > 1e-3 * tolerance:
+        if found is None:
             space.release()
-            p = _project(alpha, pull, cost, y * (space.values + bias))
+            p, reach = _project(alpha, pull, cost, y * (space.values + bias)), 4.0 * reach
             continue
-        p[active] = rows.project(f + bias)
+        p[active] = found
         space.assign(p)
         following = _project(alpha, pull, cost, y * (space.values + bias))
-        elsewhere = np.delete(following != p, active)
-        if not elsewhere.any():
-            return p, bias, steps, moved
-        p = following
-    space.restrict(np.arange(len(y)), p)
-    space.assign(p)
-    return p, bias, steps, moved
+        if not np.delete(following != p, active).any():
+            break
+        elsewhere = np.ones(len(y), bool)
+        elsewhere[active] = False
+        p = np.where(elsewhere, following, p)
+    return p, bias, steps
 
 
 @dataclass(frozen=True)
@@ -276,12 +279,13 @@ class _Rows:
 
 
 def _newton_step(
-    space: Space, rows: _Rows, f: Floats, bias: float, most: float
-) -> tuple[Floats, float, float, bool]:
-    """One Newton step with line search: f and b after it, how far f went, and whether to stop.
+    space: Space, rows: _Rows, f: Floats, bias: float, most: float, tolerance: float
+) -> tuple[Floats, float, float, Floats | None]:
+    """One Newton step with line search: f and b after it, how far f went; p at a minimum.
 
     f goes no farther than ``most``: the rows that are left out are settled only so far.
     The objective is piecewise quadratic, so a whole step within one piece ends in its minimum.
+    There p is the direction's: computed from f, its rounding errors would be C / δ times f's.
     """
     p = rows.project(f + bias)
     piece = rows.piece(p)
@@ -295,8 +299,9 @@ def _newton_step(
     t = min(t, most / speed) if speed > 0.0 else t
     space.move(direction, t)
     f, bias = f + t * direction.values, bias + t * direction.bias
-    stays = t == 1.0 and len(band) > 0
-    return f, bias, t * speed, stays and bool((rows.piece(rows.project(f + bias)) == piece).all())
+    stays = (rows.piece(rows.project(f + bias)) == piece).all()
+    found = len(band) > 0 and ((t == 1.0 and stays) or t * speed <= 1e-3 * tolerance)
+    return f, bias, t * speed, np.clip(direction.multipliers, 0.0, rows.cost) if found else None
 
 
 def _step_length(rows: _Rows, margin: Floats, change: Floats, direction: Direction) -> float:

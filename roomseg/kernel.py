@@ -142,7 +142,9 @@ class KernelFactor:
         return int(enough[0]) if len(enough) else len(self.pivots)
 
 
-def kernel_factor(rows: Floats, gamma: float, tolerance: float, most: int) -> KernelFactor:
+def kernel_factor(
+    rows: Floats, gamma: float, tolerance: float, least: int, most: int
+) -> KernelFactor:
     """Factorise the kernel matrix of rows.
 
     Parameters
@@ -151,14 +153,15 @@ def kernel_factor(rows: Floats, gamma: float, tolerance: float, most: int) -> Ke
     gamma : float
     tolerance : float
         Stop when the mean of the diagonal of K - F Fᵀ is below.
-    most : int
-        The largest rank.
+    least, most : int
+        Bounds of the rank; it is below ``least`` only if that many columns represent K
+        to rounding errors.
     """
     columns = np.ascontiguousarray(rows.T)
     most = min(most, len(rows))
     matrix, missing = np.empty((len(rows), most), order="F"), [1.0]
     left, rank, pivots = np.ones(len(rows)), 0, np.zeros(0, np.int64)
-    while rank < most and left.mean() > tolerance:
+    while rank < most and (rank < least or left.mean() > tolerance):
         chosen, corner = _next_pivots(rows, matrix[:, :rank], left, gamma, most - rank)
         if not len(chosen):
             break

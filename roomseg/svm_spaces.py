@@ -36,10 +36,14 @@ class FactorSpace:
         self.w: Floats = np.zeros(matrix.shape[1])
         self.values: Floats = np.zeros(len(y))
 
-    def widen(self, matrix: Floats) -> None:
-        """Go on with more columns."""
-        self.w = np.append(self.w, np.zeros(matrix.shape[1] - len(self.w)))
-        self.matrix = matrix
+    def use(self, matrix: Floats) -> None:
+        """Go on with more or fewer of the factor's columns."""
+        if matrix.shape[1] != len(self.w):
+            same = min(len(self.w), matrix.shape[1])
+            w = np.zeros(matrix.shape[1])
+            w[:same] = self.w[:same]
+            self.matrix, self.w = matrix, w
+            self.release()
 
     def restrict(self, active: Integers, p: Floats) -> Floats:
         """See `Space`."""
@@ -64,9 +68,13 @@ class FactorSpace:
             target = others + matrix.T @ (y * beta)
         else:
             target, bias = _target(matrix, y, pull, pushed, others, balance)
+            beta = pull * (pushed - y * (matrix @ target + bias))
+        multipliers = p.copy()
+        multipliers[band] = beta
         step = target - self.w
         slope = float((self.w - self._fixed) @ step) - self._balance * bias
-        return Direction(self._local @ step, bias, slope, float(step @ step), step)
+        square = float(step @ step)
+        return Direction(self._local @ step, bias, slope, square, multipliers, step)
 
     def move(self, direction: Direction, t: float) -> None:
         """See `Space`."""
@@ -147,16 +155,15 @@ class KernelSpace:
         self._rows = self.rows[active]
         self._columns = np.ascontiguousarray(self._rows.T)
         self._beta, self._f = self.beta[active], self.values[active]
+        self._place, self._kernel = np.full(len(active), -1), np.empty((0, len(active)))
         return self._f
 
     def direction(self, p: Floats, band: Integers, pull: Floats, pushed: Floats) -> Direction:
         """See `Space`."""
         step = p - self._beta
         step[band] = 0.0
-        turned, values = np.flatnonzero(step), np.zeros(len(p))
-        coefficients = (self._y * step)[turned]
-        kernel_sum(self._columns, self._rows[turned], coefficients, self.gamma, values)
-        block = kernel_block(self._columns, self._rows[band], self.gamma)
+        turned = np.flatnonzero(step)
+        block, values = self._block(band), self._effect(turned, (self._y * step)[turned])
         corner, y, beta = block[:, band], self._y[band], self._beta[band]
         others = (self._f + values)[band] - corner @ (y * beta)
         balance = self._balance + float(self._y @ (self._beta + step)) - float(y @ beta)
@@ -164,7 +171,25 @@ class KernelSpace:
         step[band] = target - beta
         values += (y * step[band]) @ block
         slope = float((self._beta * self._y) @ values) - self._balance * bias
-        return Direction(values, bias, slope, float((step * self._y) @ values), step)
+        square = float((step * self._y) @ values)
+        return Direction(values, bias, slope, square, self._beta + step, step)
+
+    def _effect(self, turned: Integers, coefficients: Floats) -> Floats:
+        """What these active rows' coefficients add to f of the active rows."""
+        if (self._place[turned] >= 0).all():
+            return coefficients @ self._kernel[self._place[turned]]
+        values = np.zeros(len(self._f))
+        kernel_sum(self._columns, self._rows[turned], coefficients, self.gamma, values)
+        return values
+
+    def _block(self, band: Integers) -> Floats:
+        """Kernel of active rows with all active rows; what was computed for one step is kept."""
+        new = band[self._place[band] < 0]
+        if len(new):
+            added = kernel_block(self._columns, self._rows[new], self.gamma)
+            self._place[new] = len(self._kernel) + np.arange(len(new))
+            self._kernel = np.concatenate([self._kernel, added])
+        return self._kernel[self._place[band]]
 
     def move(self, direction: Direction, t: float) -> None:
         """See `Space`."""
