@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-__all__ = ["Direction", "DualPoint", "Space", "newton_target", "solve"]
+__all__ = ["Direction", "DualPoint", "Space", "kkt_violations", "newton_target", "relative_gap", "solve"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -184,7 +184,7 @@ def solve(
     start: DualPoint,
     tolerance: float,
     widths: Sequence[float] = WIDTHS,
-    reach: float = np.inf,
+    reach: float = REACH,
 ) -> DualPoint:
     """Find the multipliers of a C-SVM.
 
@@ -203,22 +203,23 @@ def solve(
     widths : sequence of float
         δ, in turn; the last one is used until the tolerance is met.
     reach : float
-        Rows farther from the first band are left out of the first steps.
+        From the second width on, rows farther from the band are left out of the first steps.
 
     Returns
     -------
     DualPoint
         Its ``violation`` may be above the tolerance if that was not reached.
     """
-    alpha, bias, steps, violation = start.alpha, start.bias, 0, np.inf
+    alpha, bias, steps, violation, far = start.alpha, start.bias, 0, np.inf, np.inf
     for width in chain(widths, repeat(widths[-1], PASSES)):
-        alpha, bias, taken = _smoothed(space, y, cost, alpha, bias, width, reach, tolerance)
-        reach = max(REACH, 3.0 * width)
+        alpha, bias, taken = _smoothed(space, y, cost, alpha, bias, width, far, tolerance)
+        far = max(reach, 3.0 * width)
         steps += taken
-        violation = kkt_violation(alpha, cost, y * (space.values + bias))
+        margin = y * (space.values + bias)
+        violation = float(kkt_violations(alpha, cost, margin).max(initial=0.0))
         if violation <= tolerance:
             break
-    return DualPoint(alpha, bias, violation, _gap(space.values, y, cost, alpha, bias), steps)
+    return DualPoint(alpha, bias, violation, relative_gap(space.values, y, cost, alpha, bias), steps)
 
 
 def _smoothed(
@@ -321,15 +322,14 @@ def _step_length(rows: _Rows, margin: Floats, change: Floats, direction: Directi
     return t
 
 
-def kkt_violation(alpha: Floats, cost: Floats, margin: Floats) -> float:
-    """Largest violation of a Karush-Kuhn-Tucker condition; margin = y (f + b)."""
+def kkt_violations(alpha: Floats, cost: Floats, margin: Floats) -> Floats:
+    """How much each row violates the Karush-Kuhn-Tucker conditions; margin = y (f + b)."""
     lacking = 1.0 - margin
     wrong = np.where(alpha > 0.0, np.maximum(-lacking, 0.0), 0.0)
-    wrong = np.maximum(wrong, np.where(alpha < cost, np.maximum(lacking, 0.0), 0.0))
-    return float(wrong.max(initial=0.0))
+    return np.maximum(wrong, np.where(alpha < cost, np.maximum(lacking, 0.0), 0.0))
 
 
-def _gap(f: Floats, y: Floats, cost: Floats, alpha: Floats, bias: float) -> float:
+def relative_gap(f: Floats, y: Floats, cost: Floats, alpha: Floats, bias: float) -> float:
     """Relative duality gap; f = Σ α y K."""
     square = float((alpha * y) @ f)
     primal = 0.5 * square + float(cost @ np.maximum(0.0, 1.0 - y * (f + bias)))

@@ -105,17 +105,15 @@ def kernel_sum(
 
 
 @_compiled
-def kernel_block(columns: Floats, points: Floats, gamma: float) -> Floats:
-    """K of points (m, f) and rows (given as columns, (f, n)), shape (m, n)."""
-    block = np.empty((points.shape[0], columns.shape[1]))
+def kernel_block(columns: Floats, points: Floats, gamma: float, out: Floats) -> None:
+    """Put K of points (m, f) and rows (given as columns, (f, n)) into out, shape (m, n)."""
     kernel, bits = np.empty(BLOCK), np.empty(BLOCK)
     for begin in range(0, columns.shape[1], BLOCK):
         count = min(BLOCK, columns.shape[1] - begin)
         for j in range(points.shape[0]):
             _kernel_of_point(columns, begin, count, points[j], gamma, kernel, bits)
             for i in range(count):
-                block[j, begin + i] = kernel[i]
-    return block
+                out[j, begin + i] = kernel[i]
 
 
 @dataclass(frozen=True)
@@ -159,13 +157,14 @@ def kernel_factor(
     """
     columns = np.ascontiguousarray(rows.T)
     most = min(most, len(rows))
-    matrix, missing = np.empty((len(rows), most), order="F"), [1.0]
+    matrix, missing = np.empty((len(rows), most)), [1.0]
     left, rank, pivots = np.ones(len(rows)), 0, np.zeros(0, np.int64)
     while rank < most and (rank < least or left.mean() > tolerance):
         chosen, corner = _next_pivots(rows, matrix[:, :rank], left, gamma, most - rank)
         if not len(chosen):
             break
-        block = kernel_block(columns, rows[chosen], gamma)
+        block = np.empty((len(chosen), len(rows)))
+        kernel_block(columns, rows[chosen], gamma, block)
         block -= matrix[chosen, :rank] @ matrix[:, :rank].T
         added = linalg.solve_triangular(corner, block, lower=True, overwrite_b=True)
         pivots, rank = np.append(pivots, chosen), rank + len(chosen)
@@ -174,9 +173,7 @@ def kernel_factor(
         missing.extend(np.maximum(left.mean() - np.cumsum(squares.mean(axis=1)), 0.0))
         left = np.maximum(left - squares.sum(axis=0), 0.0)
         left[pivots] = 0.0
-    return KernelFactor(
-        pivots, np.ascontiguousarray(matrix[:, :rank]), np.array(missing[: rank + 1])
-    )
+    return KernelFactor(pivots, matrix[:, :rank], np.array(missing[: rank + 1]))
 
 
 def _next_pivots(
@@ -185,7 +182,8 @@ def _next_pivots(
     """Rows that are badly represented and unlike each other, and their Cholesky factor."""
     wanted = min(PIVOTS, most)
     candidates = np.argsort(-left, kind="stable")[: 4 * wanted]
-    corner = kernel_block(np.ascontiguousarray(rows[candidates].T), rows[candidates], gamma)
+    corner = np.empty((len(candidates), len(candidates)))
+    kernel_block(np.ascontiguousarray(rows[candidates].T), rows[candidates], gamma, corner)
     corner -= matrix[candidates] @ matrix[candidates].T
     factor, diagonal = np.zeros((len(candidates), wanted)), corner.diagonal().copy()
     least, chosen = max(0.05 * diagonal.max(), 1e-14), []

@@ -15,6 +15,7 @@ kernel. Either way every solution comes with the violation of the optimality con
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -24,26 +25,26 @@ from scipy import linalg
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from roomseg.dual_newton import WIDTHS, DualPoint, solve
+from roomseg.dual_newton import WIDTHS, DualPoint, kkt_violations, solve
 from roomseg.kernel import KernelFactor, kernel_factor, kernel_sum
-from roomseg.svm_spaces import FactorSpace, KernelSpace
+from roomseg.svm_polish import ExactKernel
+from roomseg.svm_spaces import FactorSpace
 
 __all__ = ["BorderSVC", "SvmPath", "SvmSolution"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-LEAST_COLUMNS, MOST_COLUMNS = 64, 600
+LEAST_COLUMNS, MOST_COLUMNS = 64, 800
 """Fewer save nothing; with more, the exact kernel is faster."""
-START_COLUMNS = 300
-"""Enough for a start of the exact solution."""
 MISSING = 3e-6
 """C times the mean of what a factor lacks of the kernel's diagonal (1)."""
 ACCURACY = 0.02
 """Of a factor's decision values, checked for `CHECKED` rows."""
 CHECKED = 256
 FIRST_WIDTHS = (2.0, *WIDTHS)
-EXACT_WIDTHS, EXACT_REACH = (0.1, 0.01, 0.001), 0.2
+START_PASSES, START_VIOLATION = 3, 0.05
+"""Of a factor's solutions that are only a start for the exact kernel."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class SvmPath:
         )
         self.columns = 0
         self._low = FactorSpace(self.factor.matrix[: len(rows), :0], self._y)
-        self._exact: KernelSpace | None = None
+        self._exact: ExactKernel | None = None
         self._exact_c = 1.0
         self._cost = np.full(len(rows), np.inf)
         self._point = DualPoint(np.zeros(len(rows)), 0.0, np.inf, np.inf, 0)
@@ -128,27 +129,30 @@ class SvmPath:
     def fit(self, C: float, class_weight: float) -> SvmSolution:
         """Solve for C, with class_weight times C for border edges."""
         cost = C * np.where(self._is_border, class_weight, 1.0)
-        start, steps = self._start(cost), 0
         wanted = self.factor.columns_for(MISSING / C)
         wanted = max(wanted, min(LEAST_COLUMNS, len(self.factor.pivots)))
         enough = bool(self.factor.missing[wanted] <= MISSING / C)
-        self.columns = wanted if enough else min(START_COLUMNS, wanted)
-        self._low.use(self.factor.matrix[: self._count, : self.columns])
-        first = not np.isfinite(start.violation) and not start.alpha.any()
-        widths = FIRST_WIDTHS if first else WIDTHS
-        # Only a start is sought where the exact kernel follows.
-        tolerance = self._tolerance if enough else max(self._tolerance, EXACT_WIDTHS[0])
-        point = solve(self._low, self._y, cost, start, tolerance, widths)
-        steps = point.steps
-        decision = self.factor.matrix[self._count :, : self.columns] @ self._low.w + point.bias
-        exact = not enough or self._error(point, decision) > ACCURACY
+        start, first = self._start(cost), not self._point.alpha.any()
+        exact = not enough
+        if enough:
+            point, decision = self._nearly(start, cost, wanted, FIRST_WIDTHS if first else WIDTHS)
+            exact = self._error(point, decision) > ACCURACY
         if exact:
-            point, decision = self._exactly(point, cost, C)
-            steps += point.steps
+            point, decision = self._exactly(start, cost, C, first)
         self._point, self._cost = point, cost
         return SvmSolution(
-            point.alpha, point.bias, decision, point.violation, point.gap, exact, steps
+            point.alpha, point.bias, decision, point.violation, point.gap, exact, point.steps
         )
+
+    def _nearly(
+        self, start: DualPoint, cost: Floats, columns: int, widths: Sequence[float]
+    ) -> tuple[DualPoint, Floats]:
+        """Solve with so many of the factor's columns."""
+        self.columns = columns
+        self._low.use(self.factor.matrix[: self._count, :columns])
+        point = solve(self._low, self._y, cost, start, self._tolerance, widths)
+        decision = self.factor.matrix[self._count :, :columns] @ self._low.w + point.bias
+        return point, decision
 
     def _start(self, cost: Floats) -> DualPoint:
         """The solution before: what was at its bound is so again, the others stay."""
@@ -170,14 +174,31 @@ class SvmPath:
         kernel_sum(columns, self._rows[support], coefficients, self._gamma, exact)
         return float(np.abs(exact - ours).max(initial=0.0))
 
-    def _exactly(self, point: DualPoint, cost: Floats, C: float) -> tuple[DualPoint, Floats]:
-        """Solve with the exact kernel, from a factor's solution."""
+    def _exactly(
+        self, start: DualPoint, cost: Floats, C: float, first: bool
+    ) -> tuple[DualPoint, Floats]:
+        """Solve with the exact kernel.
+
+        The factor stands for the changes of the start's multipliers only, whose f is known.
+        """
         if self._exact is None:
-            self._exact = KernelSpace(self._rows, self._y, self._gamma)
-        self._exact.begin(point.alpha, C / self._exact_c)
+            self._exact = ExactKernel(self._rows, self._y, self._gamma)
+        self._exact.scale(C / self._exact_c)
         self._exact_c = C
-        point = solve(self._exact, self._y, cost, point, self._tolerance, EXACT_WIDTHS, EXACT_REACH)
-        return point, self._exact.all_values[self._count :] + point.bias
+        matrix = self.factor.matrix[: self._count]
+        point, before = start, np.inf
+        for turn in range(START_PASSES):
+            f = self._exact.take(point.alpha)[: self._count]
+            if turn:
+                wrong = kkt_violations(point.alpha, cost, self._y * (f + point.bias)).max()
+                if not START_VIOLATION < wrong < 0.5 * before:
+                    break
+                before = float(wrong)
+            self._low.use(matrix, f - matrix @ (matrix.T @ (self._y * point.alpha)))
+            widths = FIRST_WIDTHS if first and not turn else WIDTHS
+            point = solve(self._low, self._y, cost, point, START_VIOLATION, widths)
+        point = self._exact.improve(point, cost, self._tolerance)
+        return point, self._exact.values[self._count :] + point.bias
 
 
 class BorderSVC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]

@@ -1,8 +1,8 @@
-"""Where the functions of an SVM live: in the span of a factor's columns, or of all kernels.
+"""Where the functions of an SVM live: in the span of a factor's columns, or of some kernels.
 
 Both are a `roomseg.dual_newton.Space`. In the first, a function is a vector w of as many
-numbers as the factor has columns, and f = F w. In the second it is a coefficient β of
-each row's kernel, f = K (y β), exact for any γ; only what changes is ever computed.
+numbers as the factor has columns, and f = F w. In the second it is a coefficient β of each
+row's kernel, f = offset + K (y β), exact for any γ but of a few thousand rows only.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from roomseg.dual_newton import RIDGE, Direction, newton_target
-from roomseg.kernel import kernel_block, kernel_sum
 
 __all__ = ["FactorSpace", "KernelSpace"]
 
@@ -21,7 +20,7 @@ Integers = NDArray[np.int64]
 
 
 class FactorSpace:
-    """f = F w for the columns F of a kernel factor.
+    """f = F w + offset for the columns F of a kernel factor.
 
     Parameters
     ----------
@@ -34,16 +33,17 @@ class FactorSpace:
     def __init__(self, matrix: Floats, y: Floats) -> None:
         self.matrix, self.y = matrix, y
         self.w: Floats = np.zeros(matrix.shape[1])
+        self.offset: Floats = np.zeros(len(y))
         self.values: Floats = np.zeros(len(y))
 
-    def use(self, matrix: Floats) -> None:
-        """Go on with more or fewer of the factor's columns."""
-        if matrix.shape[1] != len(self.w):
-            same = min(len(self.w), matrix.shape[1])
-            w = np.zeros(matrix.shape[1])
-            w[:same] = self.w[:same]
-            self.matrix, self.w = matrix, w
-            self.release()
+    def use(self, matrix: Floats, offset: Floats | float = 0.0) -> None:
+        """Go on from the same w with more or fewer of the factor's columns, and an offset."""
+        same = min(len(self.w), matrix.shape[1])
+        w = np.zeros(matrix.shape[1])
+        w[:same] = self.w[:same]
+        self.matrix, self.w = matrix, w
+        self.offset = np.zeros(len(self.y)) + offset
+        self.release()
 
     def restrict(self, active: Integers, p: Floats) -> Floats:
         """See `Space`."""
@@ -53,6 +53,7 @@ class FactorSpace:
         settled[active] = 0.0
         self._fixed = np.zeros_like(self.w) if every else self.matrix.T @ settled
         self._balance = float(settled.sum())
+        self._offset = self.offset[active]
         return self.values[active]
 
     def direction(self, p: Floats, band: Integers, pull: Floats, pushed: Floats) -> Direction:
@@ -62,6 +63,7 @@ class FactorSpace:
         others = self._fixed + self._local.T @ rest
         balance = self._balance + float(rest.sum())
         matrix, y = self._local[band], self._y[band]
+        pushed = pushed - y * self._offset[band]
         if len(band) < len(self.w):
             pushed = pushed - y * (matrix @ others)
             beta, bias = newton_target(matrix @ matrix.T, y, pull, pushed, balance)
@@ -82,7 +84,7 @@ class FactorSpace:
 
     def release(self) -> None:
         """See `Space`."""
-        self.values = self.matrix @ self.w
+        self.values = self.matrix @ self.w + self.offset
 
     def assign(self, alpha: Floats) -> None:
         """See `Space`."""
@@ -108,100 +110,53 @@ def _target(
 
 
 class KernelSpace:
-    """f = K (y β), exactly; f of further rows is kept up to date, too.
+    """f = offset + K (y β) of a few thousand rows, exactly; what others add stays.
 
     Parameters
     ----------
-    rows : array, shape (n + t, f)
-        Training rows, then others.
-    y : array, shape (n,)
-        1 or -1.
-    gamma : float
+    kernel : array, shape (a, a)
+        K of these rows.
+    y, beta, values : arrays, shape (a,)
+        1 or -1; multipliers; f of all rows' multipliers.
+    balance : float
+        Σ y α of all other rows.
     """
 
-    def __init__(self, rows: Floats, y: Floats, gamma: float) -> None:
-        self.rows, self.y, self.gamma = np.ascontiguousarray(rows), y, gamma
-        self.columns = np.ascontiguousarray(rows.T)
-        self.beta: Floats = np.zeros(len(y))
-        self.all_values: Floats = np.zeros(len(rows))
-
-    @property
-    def values(self) -> Floats:
-        """f of the training rows, shape (n,)."""
-        return self.all_values[: len(self.y)]
-
-    def begin(self, alpha: Floats, factor: float) -> None:
-        """Make f = Σ α y K, cheaply if α is mostly ``factor`` times what it was."""
-        self.all_values *= factor
-        self.beta = self.beta * factor
-        close = np.abs(alpha - self.beta) <= 1e-12 * alpha
-        self._change(np.where(close, self.beta, alpha))
-
-    def _change(self, beta: Floats) -> None:
-        """Take these coefficients."""
-        changed = np.flatnonzero(beta != self.beta)
-        difference = (self.y * (beta - self.beta))[changed]
-        kernel_sum(self.columns, self.rows[changed], difference, self.gamma, self.all_values)
-        self.beta = beta.copy()
+    def __init__(
+        self, kernel: Floats, y: Floats, beta: Floats, values: Floats, balance: float
+    ) -> None:
+        self._kernel, self._y, self._balance = kernel, y, balance
+        self._offset = values - kernel @ (y * beta)
+        self._beta, self.values = beta, values
 
     def restrict(self, active: Integers, p: Floats) -> Floats:
-        """See `Space`."""
-        settled = p.copy()
-        settled[active] = self.beta[active]
-        self._change(settled)
-        settled[active] = 0.0
-        self._balance = float(self.y @ settled)
-        self._active, self._y = active, self.y[active]
-        self._rows = self.rows[active]
-        self._columns = np.ascontiguousarray(self._rows.T)
-        self._beta, self._f = self.beta[active], self.values[active]
-        self._place, self._kernel = np.full(len(active), -1), np.empty((0, len(active)))
-        return self._f
+        """See `Space`; all rows move."""
+        return self.values
 
     def direction(self, p: Floats, band: Integers, pull: Floats, pushed: Floats) -> Direction:
         """See `Space`."""
         step = p - self._beta
         step[band] = 0.0
-        turned = np.flatnonzero(step)
-        block, values = self._block(band), self._effect(turned, (self._y * step)[turned])
-        corner, y, beta = block[:, band], self._y[band], self._beta[band]
-        others = (self._f + values)[band] - corner @ (y * beta)
+        values, y, beta = self._kernel @ (self._y * step), self._y[band], self._beta[band]
+        corner = self._kernel[np.ix_(band, band)]
+        others = (self.values + values)[band] - corner @ (y * beta)
         balance = self._balance + float(self._y @ (self._beta + step)) - float(y @ beta)
         target, bias = newton_target(corner, y, pull, pushed - y * others, balance)
         step[band] = target - beta
-        values += (y * step[band]) @ block
+        values = self._kernel @ (self._y * step)
         slope = float((self._beta * self._y) @ values) - self._balance * bias
         square = float((step * self._y) @ values)
         return Direction(values, bias, slope, square, self._beta + step, step)
 
-    def _effect(self, turned: Integers, coefficients: Floats) -> Floats:
-        """What these active rows' coefficients add to f of the active rows."""
-        if (self._place[turned] >= 0).all():
-            return coefficients @ self._kernel[self._place[turned]]
-        values = np.zeros(len(self._f))
-        kernel_sum(self._columns, self._rows[turned], coefficients, self.gamma, values)
-        return values
-
-    def _block(self, band: Integers) -> Floats:
-        """Kernel of active rows with all active rows; what was computed for one step is kept."""
-        new = band[self._place[band] < 0]
-        if len(new):
-            added = kernel_block(self._columns, self._rows[new], self.gamma)
-            self._place[new] = len(self._kernel) + np.arange(len(new))
-            self._kernel = np.concatenate([self._kernel, added])
-        return self._kernel[self._place[band]]
-
     def move(self, direction: Direction, t: float) -> None:
         """See `Space`."""
         self._beta = self._beta + t * direction.coefficients
-        self._f = self._f + t * direction.values
+        self.values = self.values + t * direction.values
 
     def release(self) -> None:
-        """See `Space`."""
-        beta = self.beta.copy()
-        beta[self._active] = self._beta
-        self._change(beta)
+        """See `Space`; nothing was left out."""
 
     def assign(self, alpha: Floats) -> None:
         """See `Space`."""
-        self._change(alpha)
+        self._beta = alpha
+        self.values = self._offset + self._kernel @ (self._y * alpha)

@@ -8,10 +8,9 @@ from scipy import linalg
 from sklearn.cluster import KMeans
 from sklearn.metrics import adjusted_rand_score
 
+from roomseg.kmeans import _recentre, cluster_rows
 from roomseg.spectral import (
-    _recentre,
     adjacency,
-    cluster_rows,
     embedding,
     first_node_order,
     laplacian_eigenvalues,
@@ -197,8 +196,8 @@ def test_same_generator_same_labels() -> None:
 
 def test_an_empty_cluster_takes_no_row_that_is_a_cluster_of_its_own() -> None:
     rows = np.array([[0.0], [1.0], [10.0]])
-    centres, labels = np.zeros((3, 1)), np.array([1, 1, 0])
-    _recentre(rows, centres, labels, np.array([0.2, 0.1, 5.0]))
+    centres, labels = np.array([[5.0], [0.2], [90.0]]), np.array([1, 1, 0])
+    assert not _recentre(rows, centres, labels)
     assert labels.tolist() == [2, 1, 0]
     assert centres.tolist() == [[10.0], [1.0], [0.0]]
 
