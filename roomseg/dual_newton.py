@@ -19,20 +19,29 @@ steps; afterwards all rows are looked at, and if one should have moved, it goes 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain, repeat
-from typing import Protocol
+from typing import Protocol, TypeVar, cast
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-__all__ = ["Direction", "DualPoint", "Space", "kkt_violations", "newton_target", "relative_gap", "solve"]
+__all__ = [
+    "Direction",
+    "DualPoint",
+    "Space",
+    "kkt_violations",
+    "newton_target",
+    "relative_gap",
+    "solve",
+]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Function = TypeVar("Function", bound=Callable[..., object])
 
 WIDTHS = (0.3, 0.03, 0.003, 0.0003)
 PASSES = 12
@@ -92,7 +101,7 @@ class Space(Protocol):
 
     @property
     def values(self) -> Floats:
-        """f of every row, shape (n,)."""
+        """Values f of every row, shape (n,)."""
 
     def restrict(self, active: Integers, p: Floats) -> Floats:
         """Move only these rows from now on; their f, shape (a,). p: all rows' slopes."""
@@ -152,16 +161,21 @@ def newton_target(
     return sides[:, 0] - bias * sides[:, 1], bias
 
 
-@numba.njit(cache=True)
+def _compiled(function: Function) -> Function:
+    """Compile with numba on first use; the machine code is kept for the next run."""
+    return cast(Function, numba.njit(cache=True)(function))
+
+
+@_compiled
 def _project(alpha: Floats, pull: Floats, cost: Floats, margin: Floats) -> Floats:
-    """p of each row; margin = y (f + b)."""
+    """Slope p of each row; margin = y (f + b)."""
     p = np.empty(len(alpha))
     for i in range(len(alpha)):
         p[i] = min(max(alpha[i] + pull[i] * (1.0 - margin[i]), 0.0), cost[i])
     return p
 
 
-@numba.njit(cache=True)
+@_compiled
 def _derivatives(
     alpha: Floats, pull: Floats, cost: Floats, margin: Floats, change: Floats, t: float
 ) -> tuple[float, float]:
@@ -219,7 +233,9 @@ def solve(
         violation = float(kkt_violations(alpha, cost, margin).max(initial=0.0))
         if violation <= tolerance:
             break
-    return DualPoint(alpha, bias, violation, relative_gap(space.values, y, cost, alpha, bias), steps)
+    return DualPoint(
+        alpha, bias, violation, relative_gap(space.values, y, cost, alpha, bias), steps
+    )
 
 
 def _smoothed(

@@ -36,7 +36,7 @@ from roomseg.svm import SvmPath
 if TYPE_CHECKING:
     from roomseg.experiments.cache import Cache
 
-__all__ = ["EXCERPT", "Search", "search_parameters"]
+__all__ = ["EXCERPT", "Part", "Search", "judge_part", "search_parameters"]
 
 Floats = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ class Search:
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """One place left out, and all combinations with one γ.
 
     Attributes
@@ -148,14 +148,14 @@ def search_parameters(
         all of one kind.
     """
     maps = [replace(item, sketch=None) for item in maps]
-    parts, done = list(_parts(maps, candidates)), 0
+    parts = list(_parts(maps, candidates))
     found = np.empty((len(candidates), len(maps)))
     work = partial(_kept, seed=seed, cache=cache, name=name, maps=_digest(maps))
     # What is not yet asked for is not begun, so that a stopped search leaves nothing half done.
     processes = Parallel(jobs, return_as="generator_unordered", batch_size=1, pre_dispatch=jobs)
-    for index, impurities in processes(delayed(work)(i, part) for i, part in enumerate(parts)):
+    results = processes(delayed(work)(i, part) for i, part in enumerate(parts))
+    for done, (index, impurities) in enumerate(results, 1):
         found[np.ix_(parts[index].rows, parts[index].columns)] = impurities
-        done += 1
         if progress is not None:
             progress(done, len(parts))
     return Search(tuple(candidates), found)
@@ -163,7 +163,7 @@ def search_parameters(
 
 def _parts(
     maps: Sequence[LabelledMap], candidates: Sequence[ClassifierParameters]
-) -> Iterator[_Part]:
+) -> Iterator[Part]:
     """All parts, those that take long first."""
     places = folds(maps)
     for training, _ in places:
@@ -171,7 +171,7 @@ def _parts(
     for gamma in sorted({parameters.gamma for parameters in candidates}, reverse=True):
         rows = [i for i, parameters in enumerate(candidates) if parameters.gamma == gamma]
         for training, test in places:
-            yield _Part(
+            yield Part(
                 tuple(sorted((maps[i] for i in training), key=lambda item: item.name)),
                 tuple(maps[i] for i in test),
                 tuple(candidates[i] for i in rows),
@@ -192,13 +192,13 @@ def _digest(maps: Sequence[LabelledMap]) -> str:
 
 
 def _kept(
-    index: int, part: _Part, *, seed: int, cache: Cache | None, name: str, maps: str
+    index: int, part: Part, *, seed: int, cache: Cache | None, name: str, maps: str
 ) -> tuple[int, Floats]:
-    """The impurities of a part, shape (combinations, test maps); from the cache if they are there."""
+    """Impurities of a part, shape (combinations, test maps); from the cache if there."""
 
     def make() -> Mapping[str, NDArray[Any]]:
         with threadpool_limits(1):
-            return {"impurity": _impurities(part, seed)}
+            return {"impurity": judge_part(part, seed)[0]}
 
     if cache is None:
         return index, make()["impurity"]
@@ -207,19 +207,31 @@ def _kept(
     return index, cache.get(name, depends, make)["impurity"]
 
 
-def _impurities(part: _Part, seed: int) -> Floats:
-    """Train, classify and segment for all combinations of a part."""
+def judge_part(part: Part, seed: int) -> tuple[Floats, list[NDArray[np.bool_]]]:
+    """Train, classify and segment for all combinations of a part.
+
+    Returns
+    -------
+    impurity : array, shape (combinations, test maps)
+    predicted : list of array
+        For each combination, which edges of all test maps are taken for border edges.
+    """
     rooms = [_Segmentations(item, seed) for item in part.test]
     found = np.empty((len(part.combinations), len(rooms)))
-    for indices, predicted in _classified(part):
-        for column, (item, edges) in enumerate(zip(rooms, predicted, strict=True)):
+    predicted: list[NDArray[np.bool_]] = [np.zeros(0, bool)] * len(found)
+    ends = np.cumsum([len(item.is_border) for item in part.test])[:-1]
+    for indices, is_border in _classified(part):
+        for column, edges in enumerate(np.split(is_border, ends)):
             for row in indices:
-                found[row, column] = item.impurity(edges, part.combinations[row].rho)
-    return found
+                rho = part.combinations[row].rho
+                found[row, column] = rooms[column].impurity(edges, rho)
+        for row in indices:
+            predicted[row] = is_border
+    return found, predicted
 
 
-def _classified(part: _Part) -> Iterator[tuple[list[int], list[NDArray[np.bool_]]]]:
-    """Predicted border edges of each test map, and for which combinations they are."""
+def _classified(part: Part) -> Iterator[tuple[list[int], NDArray[np.bool_]]]:
+    """Predicted border edges of all test maps, and for which combinations they are."""
     names = part.training[0].features.names
     values = [item.features.subset(names).values for item in (*part.training, *part.test)]
     known = np.concatenate(values[: len(part.training)])
@@ -227,18 +239,11 @@ def _classified(part: _Part) -> Iterator[tuple[list[int], list[NDArray[np.bool_]
     scaler = StandardScaler().fit(known)
     asked = scaler.transform(np.concatenate(values[len(part.training) :]))
     largest = max(parameters.C for parameters in part.combinations)
-    path = SvmPath(
-        scaler.transform(known), is_border, asked, part.combinations[0].gamma, largest
-    )
-    ends = np.cumsum([len(item.is_border) for item in part.test])[:-1]
+    path = SvmPath(scaler.transform(known), is_border, asked, part.combinations[0].gamma, largest)
     for C, weight in sorted({(each.C, each.class_weight) for each in part.combinations}):
-        predicted = path.fit(C, weight).decision > 0.0
-        indices = [
-            i
-            for i, each in enumerate(part.combinations)
-            if (each.C, each.class_weight) == (C, weight)
-        ]
-        yield indices, np.split(predicted, ends)
+        pairs = ((each.C, each.class_weight) for each in part.combinations)
+        indices = [index for index, pair in enumerate(pairs) if pair == (C, weight)]
+        yield indices, path.fit(C, weight).decision > 0.0
 
 
 class _Segmentations:

@@ -1,36 +1,31 @@
-"""A C-SVM with Gaussian kernel (Eqs. 12-17) for tens of thousands of edges.
+"""A C-SVM with Gaussian kernel (Eqs. 12-17) for tens of thousands of edges, and many of them.
 
 The optimum is libsvm's, found in another way. Border edges are few and the classes
 overlap, so most of an edge classifier's support vectors lie at their bound, which makes
-libsvm slow; here they cost next to nothing (`roomseg.dual_newton`). The kernel is
-replaced by a factor of low rank as far as that changes no decision value by more
-than a few hundredths, which is checked with the exact kernel where it matters most:
-for rows next to a decision or to a margin. Where the factor would need too many
-columns (γ or C is large), its solution is only the start for Newton steps with the exact
-kernel. Either way every solution comes with the violation of the optimality conditions.
-
-`SvmPath` solves for many C and class weights, each from the solution before;
-`BorderSVC` is one solution as a scikit-learn classifier.
+libsvm slow; here they cost next to nothing (`roomseg.dual_newton`). The kernel is replaced by a
+factor of low rank as far as that changes no decision value by more than a few
+hundredths, which is checked with the exact kernel where it matters most: for rows next to a
+decision or to a margin. Where the factor would need too many columns (γ or C is large), it
+stands only for what changes since the solution before, and Newton steps with the exact
+kernel follow (`roomseg.svm_polish`). Should these not meet libsvm's own stopping rule, libsvm
+is called.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy import linalg
-from sklearn.base import BaseEstimator, ClassifierMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
+from numpy.typing import NDArray
+from sklearn.svm import SVC
 
 from roomseg.dual_newton import WIDTHS, DualPoint, kkt_violations, solve
-from roomseg.kernel import KernelFactor, kernel_factor, kernel_sum
+from roomseg.kernel import kernel_factor, kernel_sum
 from roomseg.svm_polish import ExactKernel
 from roomseg.svm_spaces import FactorSpace
 
-__all__ = ["BorderSVC", "SvmPath", "SvmSolution"]
+__all__ = ["SvmPath", "SvmSolution"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -106,32 +101,27 @@ class SvmPath:
         others: Floats,
         gamma: float,
         largest_c: float,
+        *,
         tolerance: float = 1e-3,
     ) -> None:
         self._count, self._gamma, self._tolerance = len(rows), gamma, tolerance
         self._is_border, self._y = is_border, np.where(is_border, 1.0, -1.0)
         self._rows = np.concatenate([rows, others])
-        self.factor: KernelFactor = kernel_factor(
+        self._factor = kernel_factor(
             self._rows, gamma, max(MISSING / largest_c, 1e-12), LEAST_COLUMNS, MOST_COLUMNS
         )
-        self.columns = 0
-        self._low = FactorSpace(self.factor.matrix[: len(rows), :0], self._y)
+        self._low = FactorSpace(self._factor.matrix[: len(rows), :0], self._y)
         self._exact: ExactKernel | None = None
         self._exact_c = 1.0
         self._cost = np.full(len(rows), np.inf)
         self._point = DualPoint(np.zeros(len(rows)), 0.0, np.inf, np.inf, 0)
 
-    @property
-    def weights(self) -> Floats:
-        """w of a solution that is not exact: f = F w + b, shape (columns,)."""
-        return self._low.w
-
     def fit(self, C: float, class_weight: float) -> SvmSolution:
         """Solve for C, with class_weight times C for border edges."""
         cost = C * np.where(self._is_border, class_weight, 1.0)
-        wanted = self.factor.columns_for(MISSING / C)
-        wanted = max(wanted, min(LEAST_COLUMNS, len(self.factor.pivots)))
-        enough = bool(self.factor.missing[wanted] <= MISSING / C)
+        wanted = self._factor.columns_for(MISSING / C)
+        wanted = max(wanted, min(LEAST_COLUMNS, len(self._factor.pivots)))
+        enough = bool(self._factor.missing[wanted] <= MISSING / C)
         start, first = self._start(cost), not self._point.alpha.any()
         exact = not enough
         if enough:
@@ -148,10 +138,9 @@ class SvmPath:
         self, start: DualPoint, cost: Floats, columns: int, widths: Sequence[float]
     ) -> tuple[DualPoint, Floats]:
         """Solve with so many of the factor's columns."""
-        self.columns = columns
-        self._low.use(self.factor.matrix[: self._count, :columns])
+        self._low.use(self._factor.matrix[: self._count, :columns])
         point = solve(self._low, self._y, cost, start, self._tolerance, widths)
-        decision = self.factor.matrix[self._count :, :columns] @ self._low.w + point.bias
+        decision = self._factor.matrix[self._count :, :columns] @ self._low.w + point.bias
         return point, decision
 
     def _start(self, cost: Floats) -> DualPoint:
@@ -185,7 +174,7 @@ class SvmPath:
             self._exact = ExactKernel(self._rows, self._y, self._gamma)
         self._exact.scale(C / self._exact_c)
         self._exact_c = C
-        matrix = self.factor.matrix[: self._count]
+        matrix = self._factor.matrix[: self._count]
         point, before = start, np.inf
         for turn in range(START_PASSES):
             f = self._exact.take(point.alpha)[: self._count]
@@ -198,91 +187,14 @@ class SvmPath:
             widths = FIRST_WIDTHS if first and not turn else WIDTHS
             point = solve(self._low, self._y, cost, point, START_VIOLATION, widths)
         point = self._exact.improve(point, cost, self._tolerance)
+        if point.violation > self._tolerance:
+            point = self._exact.improve(self._by_libsvm(cost), cost, np.inf)
         return point, self._exact.values[self._count :] + point.bias
 
-
-class BorderSVC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """C-SVM with Gaussian kernel; what scikit-learn's ``SVC`` finds, faster.
-
-    Parameters
-    ----------
-    C, gamma : float
-    class_weight : float
-        C is multiplied by it for the second class (border edges, §2.3.2).
-    tol : float
-        How far an optimality condition may be violated.
-
-    Attributes
-    ----------
-    classes_ : array, shape (2,)
-    points_ : array, shape (m, f)
-    coefficients_ : array, shape (m,)
-    intercept_ : float
-        The decision value is Σ coefficients_j K(points_j, x) + intercept. The points are
-        support vectors, or fewer that span nearly the same.
-    violation_, gap_ : float
-        How good the solution is, see `SvmSolution`.
-    """
-
-    def __init__(
-        self, C: float = 1.0, gamma: float = 1.0, class_weight: float = 1.0, tol: float = 1e-3
-    ) -> None:
-        self.C, self.gamma, self.class_weight, self.tol = C, gamma, class_weight, tol
-
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Train.
-
-        Parameters
-        ----------
-        X : array, shape (n, f)
-            Standardised features.
-        y : array, shape (n,)
-            Two classes.
-
-        Raises
-        ------
-        ValueError
-            If there are not two classes, or a parameter is not positive.
-        """
-        rows, labels = validate_data(self, X, y, dtype=np.float64)
-        for name, value in self.get_params().items():
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name}: {value}, expected > 0")
-        self.classes_, index = np.unique(labels, return_inverse=True)
-        if len(self.classes_) != 2:
-            raise ValueError(f"y: {len(self.classes_)} classes, expected 2")
-        path = SvmPath(rows, index == 1, rows[:0], self.gamma, self.C, self.tol)
-        for C in (self.C / 256.0, self.C / 16.0):  # cheap, and good starts
-            path.fit(C, self.class_weight)
-        solution = path.fit(self.C, self.class_weight)
-        self.points_, self.coefficients_ = _expansion(path, solution, rows, index)
-        self.intercept_ = solution.bias
-        self.violation_, self.gap_ = solution.violation, solution.gap
-        return self
-
-    def decision_function(self, X: ArrayLike) -> Floats:
-        """Decision value of each row (Eq. 15 before sgn), shape (t,)."""
-        check_is_fitted(self)
-        rows = validate_data(self, X, dtype=np.float64, reset=False)
-        values = np.full(len(rows), float(self.intercept_))
-        columns = np.ascontiguousarray(rows.T)
-        kernel_sum(columns, self.points_, self.coefficients_, float(self.gamma), values)
-        return values
-
-    def predict(self, X: ArrayLike) -> NDArray[Any]:
-        """Class of each row, shape (t,)."""
-        above = self.decision_function(X) > 0.0
-        return np.asarray(self.classes_[above.astype(np.int64)])
-
-
-def _expansion(
-    path: SvmPath, solution: SvmSolution, rows: Floats, index: NDArray[np.int64]
-) -> tuple[Floats, Floats]:
-    """Points and coefficients whose kernels add up to the solution."""
-    if solution.exact:
-        support = np.flatnonzero(solution.alpha)
-        return rows[support], (np.where(index == 1, 1.0, -1.0) * solution.alpha)[support]
-    pivots = path.factor.pivots[: path.columns]
-    corner = path.factor.matrix[pivots, : path.columns]
-    coefficients = linalg.solve_triangular(corner, path.weights, lower=True, trans="T")
-    return rows[pivots], coefficients
+    def _by_libsvm(self, cost: Floats) -> DualPoint:
+        """What always works, and takes longest."""
+        svm = SVC(C=1.0, gamma=self._gamma, tol=self._tolerance)
+        svm.fit(self._rows[: self._count], self._is_border, sample_weight=cost)
+        alpha = np.zeros(self._count)
+        alpha[svm.support_] = np.abs(svm.dual_coef_[0])
+        return DualPoint(alpha, float(svm.intercept_[0]), np.inf, np.inf, 0)

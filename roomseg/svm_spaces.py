@@ -60,10 +60,10 @@ class FactorSpace:
         """See `Space`."""
         rest = self._y * p
         rest[band] = 0.0
-        others = self._fixed + self._local.T @ rest
+        others: Floats = self._fixed + self._local.T @ rest
         balance = self._balance + float(rest.sum())
         matrix, y = self._local[band], self._y[band]
-        pushed = pushed - y * self._offset[band]
+        pushed = np.asarray(pushed - y * self._offset[band], dtype=np.float64)
         if len(band) < len(self.w):
             pushed = pushed - y * (matrix @ others)
             beta, bias = newton_target(matrix @ matrix.T, y, pull, pushed, balance)

@@ -40,8 +40,7 @@ def test_impurities_are_those_of_the_plain_loop(maps: list[LabelledMap]) -> None
 
 def test_best_combination(maps: list[LabelledMap]) -> None:
     good = ClassifierParameters()
-    # A kernel so narrow that every edge it has not seen is within a room, and no lighter weight.
-    useless = ClassifierParameters(gamma=2.0**15, rho=1.0)
+    useless = ClassifierParameters(class_weight=1e-3)  # never finds a border
     found = search_parameters(maps, [useless, good])
     assert found.best == good
     assert found.order.tolist() == [1, 0]
@@ -68,7 +67,7 @@ def test_a_stopped_search_goes_on(
     found = search_parameters(maps, SOME, cache=Cache(tmp_path))
     assert len(list(tmp_path.iterdir())) == 6
     assert all(path.stat().st_mtime_ns == time for path, time in kept.items())
-    monkeypatch.setattr(module, "_impurities", None)
+    monkeypatch.setattr(module, "judge_part", None)
     again = search_parameters(maps, SOME, cache=Cache(tmp_path))
     np.testing.assert_array_equal(again.impurity, found.impurity)
     with pytest.raises(TypeError):
@@ -83,7 +82,7 @@ def test_equal_labellings_are_segmented_once(
     monkeypatch.setattr(
         module, "segment", lambda *args: calls.append(args[1].tobytes()) or segment(*args)
     )
-    useless = [ClassifierParameters(gamma=2.0**15, rho=rho) for rho in (10.0, 20.0, 30.0)]
+    useless = [ClassifierParameters(class_weight=1e-3, rho=rho) for rho in (10.0, 20.0, 30.0)]
     search_parameters(maps, useless)
     assert len(calls) == len(maps)
 
