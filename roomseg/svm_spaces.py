@@ -58,9 +58,9 @@ class FactorSpace:
 
     def direction(self, p: Floats, band: Integers, pull: Floats, pushed: Floats) -> Direction:
         """See `Space`."""
-        rest = self._y * p
+        rest: Floats = np.asarray(self._y * p, dtype=np.float64)
         rest[band] = 0.0
-        others: Floats = self._fixed + self._local.T @ rest
+        others: Floats = np.add(self._fixed, self._local.T @ rest)
         balance = self._balance + float(rest.sum())
         matrix, y = self._local[band], self._y[band]
         pushed = np.asarray(pushed - y * self._offset[band], dtype=np.float64)

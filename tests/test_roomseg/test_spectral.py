@@ -198,7 +198,7 @@ def test_same_generator_same_labels() -> None:
 
 def test_an_empty_cluster_takes_no_row_that_is_a_cluster_of_its_own() -> None:
     rows = np.array([[0.0], [1.0], [10.0]])
-    centres, labels = np.array([[5.0], [0.2], [90.0]]), np.array([1, 1, 0])
+    centres, labels = np.array([[5.0], [0.8], [90.0]]), np.array([1, 1, 0])
     assert not _recentre(rows, centres, labels)
     assert labels.tolist() == [2, 1, 0]
     assert centres.tolist() == [[10.0], [1.0], [0.0]]
