@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from roomseg.cli.features import chosen_parameters, classifier_options, labelled_maps, subset_option
+from roomseg.cli.features import (
+    check_environments,
+    chosen_parameters,
+    classifier_options,
+    labelled_maps,
+    subset_option,
+)
 from roomseg.cli.options import jobs_option, json_option, maps_argument, output_option
 from roomseg.cli.output import follow, progress_bar, write_json
 
@@ -67,6 +73,8 @@ def command(
 
     _refuse_both(ctx, space)
     chosen = chosen_parameters(**parameters)
+    if space is not None:
+        check_environments(maps)
     labelled = labelled_maps(maps, subset)
     figures: dict[str, Any] = {"maps": [str(path) for path in maps]}
     if space is not None:
@@ -106,11 +114,9 @@ def _searched(
     labelled: Sequence[LabelledMap], space: str, jobs: int, output: Path
 ) -> tuple[ClassifierParameters, dict[str, Any]]:
     """Search; the best parameters, and what to tell of it."""
-    from roomseg.evaluation import folds
     from roomseg.experiments import Cache, grids
     from roomseg.parameter_search import search_parameters
 
-    folds(labelled)  # refused before the first line of progress
     combinations = getattr(grids, space.upper()).combinations()
     with progress_bar("parts") as bar:
         found = search_parameters(
