@@ -50,6 +50,8 @@ ROUNDS, STEPS = 40, 200
 """Looks at all rows, and Newton steps, at most, for one set of multipliers."""
 REACH = 0.1
 """Rows farther than this from a later band are left out of its first steps."""
+FARTHEST = 1e6
+"""A step's change of f; b alone has no bound if the active rows cannot balance the others."""
 RIDGE = 1e-9
 """Keeps b determined where no row is in the band."""
 
@@ -313,7 +315,7 @@ def _newton_step(
     change = rows.y * (direction.values + direction.bias)
     speed = float(np.abs(change).max(initial=0.0))
     t = _step_length(rows, rows.y * (f + bias), change, direction)
-    t = min(t, most / speed) if speed > 0.0 else t
+    t = min(t, min(most, FARTHEST) / speed) if speed > 0.0 else t
     space.move(direction, t)
     f, bias = f + t * direction.values, bias + t * direction.bias
     stays = (rows.piece(rows.project(f + bias)) == piece).all()

@@ -30,7 +30,7 @@ __all__ = ["SvmPath", "SvmSolution"]
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-LEAST_COLUMNS, MOST_COLUMNS = 64, 800
+LEAST_COLUMNS, MOST_COLUMNS = 64, 1000
 """Fewer save nothing; with more, the exact kernel is faster."""
 MISSING = 3e-6
 """C times the mean of what a factor lacks of the kernel's diagonal (1)."""
@@ -38,8 +38,10 @@ ACCURACY = 0.02
 """Of a factor's decision values, checked for `CHECKED` rows."""
 CHECKED = 256
 FIRST_WIDTHS = (2.0, *WIDTHS)
-START_PASSES, START_VIOLATION = 3, 0.05
+START_MISSING, START_PASSES, START_VIOLATION = 3e-4, 3, 0.05
 """Of a factor's solutions that are only a start for the exact kernel."""
+HOPELESS = 1.0
+"""Violation of a start from which libsvm is as fast."""
 
 
 @dataclass(frozen=True)
@@ -174,22 +176,31 @@ class SvmPath:
             self._exact = ExactKernel(self._rows, self._y, self._gamma)
         self._exact.scale(C / self._exact_c)
         self._exact_c = C
-        matrix = self._factor.matrix[: self._count]
-        point, before = start, np.inf
-        for turn in range(START_PASSES):
-            f = self._exact.take(point.alpha)[: self._count]
-            if turn:
-                wrong = kkt_violations(point.alpha, cost, self._y * (f + point.bias)).max()
-                if not START_VIOLATION < wrong < 0.5 * before:
-                    break
-                before = float(wrong)
-            self._low.use(matrix, f - matrix @ (matrix.T @ (self._y * point.alpha)))
-            widths = FIRST_WIDTHS if first and not turn else WIDTHS
-            point = solve(self._low, self._y, cost, point, START_VIOLATION, widths)
-        point = self._exact.improve(point, cost, self._tolerance)
-        if point.violation > self._tolerance:
+        point, wrong = self._start_exactly(start, cost, C, FIRST_WIDTHS if first else WIDTHS)
+        if wrong <= HOPELESS:
+            point = self._exact.improve(point, cost, self._tolerance)
+            wrong = point.violation
+        if wrong > self._tolerance:
             point = self._exact.improve(self._by_libsvm(cost), cost, np.inf)
         return point, self._exact.values[self._count :] + point.bias
+
+    def _start_exactly(
+        self, start: DualPoint, cost: Floats, C: float, widths: Sequence[float]
+    ) -> tuple[DualPoint, float]:
+        """What the factor finds, and how much the exact kernel says that it is wrong."""
+        assert self._exact is not None
+        columns = max(self._factor.columns_for(START_MISSING / C), LEAST_COLUMNS)
+        matrix = self._factor.matrix[: self._count, :columns]
+        f, point, wrong = self._exact.take(start.alpha)[: self._count], start, np.inf
+        for _ in range(START_PASSES):
+            self._low.use(matrix, f - matrix @ (matrix.T @ (self._y * point.alpha)))
+            point, before = solve(self._low, self._y, cost, point, START_VIOLATION, widths), wrong
+            f, widths = self._exact.take(point.alpha)[: self._count], WIDTHS
+            margin = self._y * (f + point.bias)
+            wrong = float(kkt_violations(point.alpha, cost, margin).max())
+            if not START_VIOLATION < wrong < 0.5 * before:
+                break
+        return point, wrong
 
     def _by_libsvm(self, cost: Floats) -> DualPoint:
         """What always works, and takes longest."""

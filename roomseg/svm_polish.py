@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 WORKING_SET = 2000
-ROUNDS = 40
+ROUNDS = 25
 WIDTHS = (0.1, 0.01, 0.001)
 
 
