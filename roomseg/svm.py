@@ -40,8 +40,9 @@ CHECKED = 256
 FIRST_WIDTHS = (2.0, *WIDTHS)
 START_MISSING, START_PASSES, START_VIOLATION = 3e-4, 3, 0.05
 """Of a factor's solutions that are only a start for the exact kernel."""
-HOPELESS = 1.0
-"""Violation of a start from which libsvm is as fast."""
+CACHE_MB = 300
+HOPELESS_MISSING, HOPELESS = 0.01, 1.0
+"""What a factor lacks, and violation of a start, beyond which libsvm is as fast."""
 
 
 @dataclass(frozen=True)
@@ -176,7 +177,9 @@ class SvmPath:
             self._exact = ExactKernel(self._rows, self._y, self._gamma)
         self._exact.scale(C / self._exact_c)
         self._exact_c = C
-        point, wrong = self._start_exactly(start, cost, C, FIRST_WIDTHS if first else WIDTHS)
+        point, wrong = start, np.inf
+        if C * self._factor.missing[-1] <= HOPELESS_MISSING:
+            point, wrong = self._start_exactly(start, cost, C, FIRST_WIDTHS if first else WIDTHS)
         if wrong <= HOPELESS:
             point = self._exact.improve(point, cost, self._tolerance)
             wrong = point.violation
@@ -204,7 +207,7 @@ class SvmPath:
 
     def _by_libsvm(self, cost: Floats) -> DualPoint:
         """What always works, and takes longest."""
-        svm = SVC(C=1.0, gamma=self._gamma, tol=self._tolerance)
+        svm = SVC(C=1.0, gamma=self._gamma, tol=self._tolerance, cache_size=CACHE_MB)
         svm.fit(self._rows[: self._count], self._is_border, sample_weight=cost)
         alpha = np.zeros(self._count)
         alpha[svm.support_] = np.abs(svm.dual_coef_[0])
