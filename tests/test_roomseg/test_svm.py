@@ -71,7 +71,7 @@ def test_decisions_are_those_of_svm_train(log2_gamma: int, tmp_path: Path) -> No
             theirs = oracle(known, asked, (2.0**log2_c, 2.0**log2_gamma, weight), tmp_path)
             assert ((found.decision > 0) == theirs).mean() >= 0.999
             assert found.violation <= 1e-3
-            assert abs(found.gap) < 5e-3
+            assert found.steps == 0 or abs(found.gap) < 1e-4  # libsvm takes no Newton step
             exact.append(found.exact)
     assert any(exact) == (log2_gamma == -1)
 
