@@ -7,8 +7,8 @@ factor of low rank as far as that changes no decision value by more than a few
 hundredths, which is checked with the exact kernel where it matters most: for rows next to a
 decision or to a margin. Where the factor would need too many columns (γ or C is large), it
 stands only for what changes since the solution before, and Newton steps with the exact
-kernel follow (`roomseg.svm_polish`). Should these not meet libsvm's own stopping rule, libsvm
-is called.
+kernel follow (`roomseg.svm_polish`). Where even that start would be poor (γ and C are large), or
+these steps do not meet libsvm's own stopping rule, libsvm is called.
 """
 
 from __future__ import annotations
@@ -39,10 +39,11 @@ ACCURACY = 0.02
 CHECKED = 256
 FIRST_WIDTHS = (2.0, *WIDTHS)
 START_MISSING, START_PASSES, START_VIOLATION = 3e-4, 3, 0.05
-"""Of a factor's solutions that are only a start for the exact kernel."""
+"""Of a factor's solutions that are only a start for the exact kernel; C times the mean of what
+it lacks, beyond which libsvm is faster."""
 CACHE_MB = 300
-HOPELESS_MISSING, HOPELESS = 0.01, 1.0
-"""What a factor lacks, and violation of a start, beyond which libsvm is as fast."""
+HOPELESS = 1.0
+"""Violation of a start from which libsvm is as fast."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +179,7 @@ class SvmPath:
         self._exact.scale(C / self._exact_c)
         self._exact_c = C
         point, wrong = start, np.inf
-        if C * self._factor.missing[-1] <= HOPELESS_MISSING:
+        if C * self._factor.missing[-1] <= START_MISSING:
             point, wrong = self._start_exactly(start, cost, C, FIRST_WIDTHS if first else WIDTHS)
         if wrong <= HOPELESS:
             point = self._exact.improve(point, cost, self._tolerance)

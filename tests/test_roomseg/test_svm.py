@@ -108,12 +108,16 @@ def test_three_rows_by_hand() -> None:
 
 def test_last_resort_is_libsvm(monkeypatch: pytest.MonkeyPatch) -> None:
     known, asked = edges(1000, 4), edges(500, 5)[0]
-    monkeypatch.setattr(module, "MOST_COLUMNS", 32)
+    monkeypatch.setattr(module, "MOST_COLUMNS", 400)
+    monkeypatch.setattr(module, "START_MISSING", 10.0)
+    monkeypatch.setattr(module, "HOPELESS", np.inf)
     plain = SvmPath(*known, asked, 0.5, 2.0).fit(2.0, 40.0)
     monkeypatch.setattr("roomseg.svm_polish.ROUNDS", 0)
     found = SvmPath(*known, asked, 0.5, 2.0).fit(2.0, 40.0)
     assert plain.exact
+    assert plain.steps > 0
     assert found.exact
+    assert found.steps == 0
     assert found.violation <= 2e-3
     np.testing.assert_allclose(found.decision, plain.decision, atol=5e-3)
 
