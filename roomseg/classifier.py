@@ -33,6 +33,7 @@ __all__ = [
     "ClassifierParameters",
     "TrainingMap",
     "border_pipeline",
+    "check_both_kinds",
     "load_model",
     "save_model",
     "train",
@@ -155,14 +156,19 @@ def train(
         If the edges are all of one class.
     """
     parameters = parameters or ClassifierParameters()
+    check_both_kinds(is_border)
+    pipeline = border_pipeline(parameters).fit(features, is_border.astype(np.int64))
+    return BorderModel(pipeline, tuple(names), parameters)
+
+
+def check_both_kinds(is_border: NDArray[np.bool_]) -> None:
+    """Refuse training edges that are all of one class (FormatError)."""
     borders = int(np.count_nonzero(is_border))
     if not 0 < borders < len(is_border):
         raise FormatError(
             f"ground_truth/edge_is_border: {borders} of {len(is_border)} training edges "
             "cross a border, expected some of both kinds"
         )
-    pipeline = border_pipeline(parameters).fit(features, is_border.astype(np.int64))
-    return BorderModel(pipeline, tuple(names), parameters)
 
 
 def save_model(model: BorderModel, path: str | Path) -> None:

@@ -41,6 +41,7 @@ def command(ctx: click.Context, *, output: Path, preset: str, seed: int) -> None
     from roomseg.cli import render, simulate
     from roomseg.cli.features import labelled_maps
     from roomseg.cli.reporting import assemble
+    from roomseg.evaluation import leave_one_environment_out
     from roomseg.parameter_search import EXCERPT, search_parameters
     from roomseg.report import write_report
 
@@ -51,18 +52,18 @@ def command(ctx: click.Context, *, output: Path, preset: str, seed: int) -> None
     labelled = labelled_maps(maps, "all")
     with progress_bar("combinations") as bar:
         searched = search_parameters(labelled, seed=seed, progress=follow(bar, "parameters"))
-    evaluation = searched[0]
+    evaluation = leave_one_environment_out(labelled, searched.best, seed=seed)
     for path, item, result in zip(maps, labelled, evaluation.results, strict=True):
         name = "the other places' classifier"
         write_rooms(path, result.labels, model=name, rooms=item.room_count)
     with progress_bar("figures") as bar:
         task = bar.add_task("report", total=None)
-        page = write_report(assemble(maps, labelled, searched), output / "report")
+        page = write_report(assemble(maps, labelled, evaluation, searched), output / "report")
         bar.update(task, total=1, completed=1)
-    papers = next(found for found in searched if found.parameters == EXCERPT[0])
+    papers = float(searched.mean[searched.combinations.index(EXCERPT[0])])
     click.echo(
         f"mean impurity {100 * evaluation.mean_impurity:.2f} % with the classifier "
-        f"({100 * papers.mean_impurity:.2f} % with the paper's parameters), "
+        f"({100 * papers:.2f} % with the paper's parameters), "
         f"{100 * evaluation.uniform_impurity.mean():.2f} % with uniform weights"
     )
     click.echo(page.resolve())

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from roomseg.cli.features import (
+    check_environments,
     chosen_parameters,
     classifier_options,
     labelled_maps,
@@ -54,7 +55,7 @@ def command(
     """
     from roomseg.score_sheet import score_sheet
 
-    _check_environments(maps)
+    check_environments(maps)
     chosen = chosen_parameters(**parameters)
     labelled = labelled_maps(maps, subset)
     with progress_bar("maps") as bar:
@@ -63,18 +64,6 @@ def command(
         sheet = score_sheet(labelled, chosen, seed=seed, progress=show)
     write_json(json_file, _figures(maps, subset, seed, sheet))
     _print(sheet, seed)
-
-
-def _check_environments(maps: tuple[Path, ...]) -> None:
-    """Refuse maps of one place, before minutes are spent on their images."""
-    from dataset import RoomsegError, read_map
-
-    names = {read_map(path).environment for path in maps}
-    if len(names) < 2:
-        raise RoomsegError(
-            f"maps: all of the environment {names.pop()!r}, expected at least 2 environments "
-            "to leave one out"
-        )
 
 
 def _figures(maps: tuple[Path, ...], subset: str, seed: int, sheet: ScoreSheet) -> dict[str, Any]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from roomseg.labelled_map import LabelledMap
 
 __all__ = [
+    "check_environments",
     "check_labelled",
     "check_ready",
     "chosen_parameters",
@@ -142,6 +143,18 @@ def check_labelled(path: Path) -> None:
         raise RoomsegError(
             f"{path}: has no /ground_truth/room, expected the room of every node; "
             "`roomseg simulate` makes maps with it, docs/robot.md tells how to label your own"
+        )
+
+
+def check_environments(maps: Sequence[Path]) -> None:
+    """Refuse maps of one place, before minutes are spent on their images."""
+    from dataset import RoomsegError, read_map
+
+    names = {read_map(path).environment for path in maps}
+    if len(names) < 2:
+        raise RoomsegError(
+            f"maps: all of the environment {names.pop()!r}, expected at least 2 environments "
+            "to leave one out"
         )
 
 

@@ -17,6 +17,7 @@ from roomseg.classifier import ClassifierParameters
 from roomseg.evaluation import Evaluation
 from roomseg.evaluation import MapResult as Judged
 from roomseg.labelled_map import LabelledMap
+from roomseg.parameter_search import Search
 from roomseg.report import (
     Comparison,
     Fact,
@@ -45,7 +46,10 @@ SNAPSHOTS = 4
 
 
 def assemble(
-    paths: Sequence[Path], labelled: Sequence[LabelledMap], searched: Sequence[Evaluation]
+    paths: Sequence[Path],
+    labelled: Sequence[LabelledMap],
+    evaluation: Evaluation,
+    searched: Search,
 ) -> Report:
     """Make the report of a parameter search and of its best evaluation.
 
@@ -55,14 +59,16 @@ def assemble(
         Map files with images and scenes; maps of a place follow each other.
     labelled : sequence of LabelledMap
         The same maps, in the same order.
-    searched : sequence of Evaluation
-        Of these maps, best first (`roomseg.parameter_search`).
+    evaluation : Evaluation
+        Of these maps, with the best parameters.
+    searched : Search
+        What else was tried.
 
     Returns
     -------
     Report
     """
-    rows = zip(paths, labelled, searched[0].results, strict=True)
+    rows = zip(paths, labelled, evaluation.results, strict=True)
     places = []
     for _, members in groupby(rows, key=lambda row: row[2].environment):
         of_place = list(members)
@@ -88,17 +94,17 @@ def assemble(
     )
 
 
-def _search_table(searched: Sequence[Evaluation]) -> Comparison:
+def _search_table(searched: Search) -> Comparison:
     """Mean impurity of every combination, best first (Table 5)."""
     paper = ClassifierParameters()
     measures = tuple(
         Measure(
-            f"C = 2^{np.log2(tried.parameters.C):g}, γ = 2^{np.log2(tried.parameters.gamma):g}",
-            100.0 * tried.mean_impurity,
-            100.0 * PAPER_CLASSIFIER.mean if tried.parameters == paper else None,
+            f"C = 2^{np.log2(tried.C):g}, γ = 2^{np.log2(tried.gamma):g}",
+            100.0 * float(searched.mean[index]),
+            100.0 * PAPER_CLASSIFIER.mean if tried == paper else None,
             digits=2,
         )
-        for tried in searched
+        for index, tried in ((index, searched.combinations[index]) for index in searched.order)
     )
     note = (
         "The paper's figure is for its 31 maps. The same maps chose the best row here, and "

@@ -99,6 +99,7 @@ def command(
             QUICK_SETTINGS if quick else FULL_SETTINGS,
             Cache(output / "cache"),
             seed=seed,
+            jobs=jobs,
             tell=_teller(bar),
         )
     page = _write(found, output / "report", features, features_file, time.monotonic() - begun)

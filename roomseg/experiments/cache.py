@@ -19,7 +19,7 @@ __all__ = ["Cache"]
 
 Arrays = Mapping[str, NDArray[Any]]
 
-COMPUTATION = 1
+COMPUTATION = 2
 """Counted up when the same maps and parameters give other results."""
 
 

@@ -100,6 +100,7 @@ class _Work:
     settings: Settings
     cache: Cache
     seed: int
+    jobs: int
     tell: Progress = field(compare=False)
 
     def search(self, grid: Grid, name: str, variant: str = "all") -> Search:
@@ -110,6 +111,7 @@ class _Work:
             f"search-{variant}",
             self.cache,
             seed=self.seed,
+            jobs=self.jobs,
             progress=partial(self.tell, title),
         )
 
@@ -128,6 +130,7 @@ def reproduce(
     cache: Cache | None = None,
     *,
     seed: int = 0,
+    jobs: int = 1,
     tell: Progress | None = None,
 ) -> Reproduction:
     """Run all experiments.
@@ -143,6 +146,8 @@ def reproduce(
         Where results are kept; a stopped reproduction goes on from there.
     seed : int
         For the starts of k-means.
+    jobs : int
+        Processes for the searches.
     tell : callable, optional
         Called with (what, done, total).
 
@@ -155,7 +160,7 @@ def reproduce(
         [item for item in features if part_of(item.labelled) == "reference"]
     )
     maps = Maps.of(features, lintels.best)
-    work = _Work(maps, settings, cache or Cache(), seed, tell or (lambda *_: None))
+    work = _Work(maps, settings, cache or Cache(), seed, jobs, tell or (lambda *_: None))
     edges, single = edge_statistics(maps.reference), single_features(maps.reference)
     selection = _selection(work)
     best = selection.best

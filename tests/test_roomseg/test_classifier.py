@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import skops.io
+from sklearn.base import clone
+from sklearn.model_selection import GridSearchCV, LeaveOneGroupOut
 from sklearn.tree import DecisionTreeClassifier
 
 from dataset.errors import FormatError
@@ -84,6 +86,18 @@ def test_dual_solution_is_feasible_and_optimal(model: BorderModel) -> None:
     tolerance = 2e-3  # libsvm stops at 1e-3
     assert (margin[alpha < 1e-9] >= 1 - tolerance).all()
     assert (margin[alpha > limit - 1e-9] <= 1 + tolerance).all()
+
+
+def test_scikit_learn_searches_with_groups() -> None:
+    values, border = edges_with_borders(600)
+    groups = np.arange(600) % 3
+    space = {"svm__C": [2.0**-9, 2.0**-3], "svm__gamma": [2.0**-3]}
+    grid = GridSearchCV(border_pipeline(), space, cv=LeaveOneGroupOut(), scoring="f1")
+    found = grid.fit(values, border.astype(int), groups=groups)
+    assert found.best_params_["svm__C"] == 2.0**-3
+    model = BorderModel(found.best_estimator_, NAMES, ClassifierParameters())
+    assert model.predict(features_of(values))[border].mean() > 0.8
+    assert clone(found.best_estimator_).get_params()["svm__C"] == 2.0**-3
 
 
 def test_higher_class_weight_finds_more_borders() -> None:

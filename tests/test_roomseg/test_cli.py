@@ -254,6 +254,25 @@ def test_one_environment_cannot_be_left_out(folder, capsys):
     )
 
 
+def test_a_search_chooses_the_parameters_and_goes_on(folder, capsys):
+    write_map("other.h5", cleaned_flat("other", 8))
+    train = ["train", "flat.h5", "other.h5", "--features", "no-camera", "--search", "coarse"]
+    line = refused(capsys, *train, "--w", "40")
+    assert line == "--w: given, expected none where --search chooses it"
+    assert main([*train, "-o", "a.skops", "--json", "a.json"]) == 0
+    assert capsys.readouterr().out.startswith("best of 8: C = ")
+    parts = {path: path.stat().st_mtime_ns for path in Path("a.search").iterdir()}
+    assert len(parts) == 4  # two places, two γ
+    assert main([*train, "-o", "a.skops", "--jobs", "2"]) == 0
+    capsys.readouterr()
+    assert {path: path.stat().st_mtime_ns for path in Path("a.search").iterdir()} == parts
+    figures = json.loads(Path("a.json").read_text())
+    assert figures["search"]["space"] == "coarse"
+    assert figures["parameters"]["C"] in (0.125, 2.0)
+    line = refused(capsys, "train", "flat.h5", "--features", "no-camera", "--search", "coarse")
+    assert line.startswith("maps: all of the environment 'flat'")
+
+
 def test_bad_models(folder, capsys):
     Path("model.skops").write_text("no model")
     assert "model.skops" in refused(capsys, "segment", "flat.h5", "--model", "model.skops")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cleaned_flat import labelled_flat
 from scipy import linalg
 from sklearn.cluster import KMeans
 from sklearn.metrics import adjusted_rand_score
 
+from roomseg.kmeans import _recentre, cluster_rows
+from roomseg.segmentation import affinity_of, edge_weights
 from roomseg.spectral import (
-    _recentre,
     adjacency,
-    cluster_rows,
     embedding,
     first_node_order,
     laplacian_eigenvalues,
@@ -197,8 +198,8 @@ def test_same_generator_same_labels() -> None:
 
 def test_an_empty_cluster_takes_no_row_that_is_a_cluster_of_its_own() -> None:
     rows = np.array([[0.0], [1.0], [10.0]])
-    centres, labels = np.zeros((3, 1)), np.array([1, 1, 0])
-    _recentre(rows, centres, labels, np.array([0.2, 0.1, 5.0]))
+    centres, labels = np.array([[5.0], [0.8], [90.0]]), np.array([1, 1, 0])
+    assert not _recentre(rows, centres, labels)
     assert labels.tolist() == [2, 1, 0]
     assert centres.tolist() == [[10.0], [1.0], [0.0]]
 
@@ -208,3 +209,30 @@ def test_duplicate_rows_still_fill_every_cluster() -> None:
     labels = cluster_rows(rows, 3, rng())
     assert set(labels) == {0, 1, 2}
     assert labels.min() == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_of_a_map_no_better_partition_is_found(seed: int) -> None:
+    """Eq. 22 of the embedding of a map is that of the best of a hundred of scikit-learn's runs."""
+    item, source = labelled_flat("flat", seed), rng(seed)
+    graph, rooms = item.features.graph, 6
+    found = np.where(
+        item.is_border, source.random(len(graph)) > 0.3, source.random(len(graph)) < 0.05
+    )
+    rows = embedding(affinity_of(graph, edge_weights(graph, found, 60.0)), rooms)[1]
+    ours = summed_distance(rows, cluster_rows(rows, rooms, rng(seed)))
+    theirs = min(
+        summed_distance(
+            rows,
+            KMeans(rooms, n_init=1, max_iter=100, tol=0.0, random_state=start).fit(rows).labels_,
+        )
+        for start in range(100)
+    )
+    assert ours <= theirs * (1.0 + 1e-9)
+
+
+def test_repetitions_that_end_alike_are_left_off_without_a_difference() -> None:
+    rows = blobs(3)[0]
+    every = [cluster_rows(rows, 6, rng(seed), 1) for seed in range(20)]
+    best = min(summed_distance(rows, labels) for labels in every)
+    assert summed_distance(rows, cluster_rows(rows, 6, rng(), 100)) <= best * (1.0 + 1e-9)
