@@ -6,7 +6,7 @@ be rendered, and never by importing this package.
 
 from render.exposure import expose
 from render.job import expose_map, render_map
-from render.map_work import Outcome, Wanted, suited_preset
+from render.map_work import Outcome, Wanted
 from render.presets import PRESETS, Preset, preset_named
 
 __all__ = [
@@ -18,5 +18,4 @@ __all__ = [
     "expose_map",
     "preset_named",
     "render_map",
-    "suited_preset",
 ]

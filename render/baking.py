@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from dataset.camera import SIMULATED_CAMERA
 from render.baked_scene import build_baked_scene
 from render.blender import add_layer, add_mesh, build_scene
-from render.charts import Atlas, lay_out
+from render.charts import Atlas, Sheet, lay_out
 from render.cycles import Device, configure, select_device
 from render.denoising import continued, denoise
 from render.open_image_denoise import Denoiser
@@ -30,7 +30,7 @@ from scenes.mesh import Mesh, apartment_mesh
 from scenes.openings import place
 from scenes.solids import apartment_solids, cutter, rooms_region
 
-__all__ = ["bake", "lay_out_apartment"]
+__all__ = ["COARSE", "FIRST", "bake", "gather", "lay_out_apartment", "quiet"]
 
 COARSE = 2.0
 """Texels of the first bake, in texels of the second."""
@@ -47,6 +47,7 @@ FRAME_REACH = 0.15
 WITHIN = 2e-3
 """What lies deeper in a wall than its face, m."""
 Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 Picture = NDArray[np.float32]
 White = Material(colour=(1.0, 1.0, 1.0), roughness=1.0)
 
@@ -75,16 +76,20 @@ def bake(
     def lit(scene: Any, atlas: Atlas, preset: Preset) -> Picture:
         configure(scene, preset, threads)
         select_device(bpy, scene, device)
-        raw, covered = _gather(bpy, scene, atlas)
-        noise = continued(raw, covered, atlas.boxes, np.random.default_rng(0))
-        clean = denoise(denoiser, noise, atlas)
-        return continued(clean, covered, atlas.boxes)
+        return quiet(denoiser, *gather(bpy, scene, atlas), atlas)
 
     coarse = lay_out_apartment(apartment, settings.scaled(COARSE))
     first = lit(build_scene(bpy, apartment, SIMULATED_CAMERA), coarse, FIRST)
     scene = build_baked_scene(bpy, apartment, SIMULATED_CAMERA, coarse, first)
     second = Preset("second bake", settings.samples, max_bounces=3, diffuse_bounces=1)
     return lit(scene, lay_out_apartment(apartment, settings), second)
+
+
+def quiet(denoiser: Denoiser, raw: Picture, covered: Mask, atlas: Sheet) -> Picture:
+    """What `gather` found, denoised, and with light in all texels."""
+    noise = continued(raw, covered, atlas.boxes, np.random.default_rng(0))
+    clean = denoise(denoiser, noise, atlas)
+    return continued(clean, covered, atlas.boxes)
 
 
 def _needed_texels(apartment: Apartment, mesh: Mesh, settings: Bake) -> Floats:
@@ -142,7 +147,7 @@ def _indoors(apartment: Apartment, points: Floats) -> NDArray[np.bool_]:
     return found
 
 
-def _gather(bpy: Any, scene: Any, atlas: Atlas) -> tuple[Picture, NDArray[np.bool_]]:
+def gather(bpy: Any, scene: Any, atlas: Sheet) -> tuple[Picture, Mask]:
     """What the receivers got, row 0 first, and which texels they cover."""
     rows, columns = atlas.shape
     image = bpy.data.images.new("gathered", columns, rows, alpha=True, float_buffer=True)
@@ -165,7 +170,7 @@ def _gather(bpy: Any, scene: Any, atlas: Atlas) -> tuple[Picture, NDArray[np.boo
     return np.ascontiguousarray(pixels[..., :3]), pixels[..., 3] > 0.5
 
 
-def _add_receivers(bpy: Any, scene: Any, atlas: Atlas, image: Any) -> Any:
+def _add_receivers(bpy: Any, scene: Any, atlas: Sheet, image: Any) -> Any:
     """An object of the receivers that no ray meets, white and matte."""
     corners = atlas.receiver_corners
     index = np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
@@ -177,6 +182,9 @@ def _add_receivers(bpy: Any, scene: Any, atlas: Atlas, image: Any) -> Any:
     white.node_tree.nodes.active = target
     made = add_mesh(bpy, scene, shape, [white], "receivers")
     add_layer(made.data, ATLAS, atlas.scaled_receiver_uv)
+    if atlas.receiver_normals is not None:
+        made.data.shade_smooth()
+        made.data.normals_split_custom_set(atlas.receiver_normals.reshape(-1, 3))
     # An object that no kind of ray sees is left out; there are no volumes here.
     for kind in ("camera", "diffuse", "glossy", "transmission", "shadow"):
         setattr(made, f"visible_{kind}", False)

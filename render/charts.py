@@ -13,7 +13,7 @@ free (`render.contact`), floating a little in front of it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
@@ -26,7 +26,7 @@ from render.planes import Planes, planes_of
 from scenes.mesh import Mesh
 from scenes.solids import Prism
 
-__all__ = ["Atlas", "lay_out"]
+__all__ = ["Atlas", "Charts", "Sheet", "arrange", "contacts", "lay_out"]
 
 LEAST = 40
 """How many texels a chart has at least, about: light varies over small things, too."""
@@ -37,8 +37,8 @@ Ints = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
-class Atlas:
-    """A mesh's charts in one picture.
+class Sheet:
+    """Charts in one picture, and what gathers light for them.
 
     Texel (r, c) has its centre at column c + 0.5, row r + 0.5.
 
@@ -46,8 +46,6 @@ class Atlas:
     ----------
     shape : tuple of int
         (rows, columns) of the picture.
-    uv : array, shape (t, 3, 2)
-        (column, row) of the corners of every triangle of the mesh, texels.
     boxes : array, shape (c, 4)
         First row, first column, rows and columns of every chart, gutter included.
     normals : array, shape (c, 3)
@@ -55,19 +53,17 @@ class Atlas:
     receiver_corners : array, shape (k, 3, 3)
         m; counter-clockwise about the normal.
     receiver_uv : array, shape (k, 3, 2)
+        (column, row), texels.
+    receiver_normals : array, shape (k, 3, 3), optional
+        Where their corners look by their shading, if that is not their plane's normal.
     """
 
     shape: tuple[int, int]
-    uv: Floats
     boxes: Ints
     normals: Floats
     receiver_corners: Floats
     receiver_uv: Floats
-
-    @property
-    def scaled_uv(self) -> Floats:
-        """``uv`` in units of the picture: 0 to 1."""
-        return self.uv / self.shape[::-1]
+    receiver_normals: Floats | None = field(default=None, kw_only=True)
 
     @property
     def scaled_receiver_uv(self) -> Floats:
@@ -76,7 +72,25 @@ class Atlas:
 
 
 @dataclass(frozen=True)
-class _Charts:
+class Atlas(Sheet):
+    """A mesh's charts in one picture.
+
+    Attributes
+    ----------
+    uv : array, shape (t, 3, 2)
+        (column, row) of the corners of every triangle of the mesh, texels.
+    """
+
+    uv: Floats
+
+    @property
+    def scaled_uv(self) -> Floats:
+        """``uv`` in units of the picture: 0 to 1."""
+        return self.uv / self.shape[::-1]
+
+
+@dataclass(frozen=True)
+class Charts:
     """How plane coordinates become texels, for every chart.
 
     ``low`` where its texels begin (c, 2), m; ``pitch`` how large they are (c, 2), m;
@@ -87,6 +101,12 @@ class _Charts:
     pitch: Floats
     counts: Ints
     origin: Ints
+
+    @property
+    def boxes(self) -> Ints:
+        """First row, first column, rows and columns of each, gutter included, (c, 4)."""
+        sizes = self.counts[:, ::-1] + 2 * GUTTER
+        return np.column_stack([self.origin[:, ::-1], sizes]).astype(np.int32)
 
     def place(self, points: Floats, chart: Ints) -> Floats:
         """(column, row) of points (k, 3, 2) in plane coordinates of charts (k,)."""
@@ -113,19 +133,26 @@ def lay_out(mesh: Mesh, prisms: Sequence[Prism], texel: Floats) -> Atlas:
     chart = _touching(planes, flat)
     shape, charts = _arranged(flat, chart, texel)
     points, owner = free_parts(corners, planes, prisms)
-    boxes = np.column_stack([charts.origin[:, ::-1], charts.counts[:, ::-1] + 2 * GUTTER])
     return Atlas(
         shape,
-        charts.place(flat, chart),
-        boxes.astype(np.int32),
+        charts.boxes,
         planes.normal[np.unique(chart, return_index=True)[1]],
         planes.solid(points, owner, LIFT),
         charts.place(points, chart[owner]),
+        charts.place(flat, chart),
     )
 
 
 def _touching(planes: Planes, flat: Floats) -> Ints:
     """Number of the chart of every triangle: same plane, in touch."""
+    one, other = contacts(planes, flat)
+    links = coo_array((np.ones(len(one), dtype=bool), (one, other)), shape=(len(flat),) * 2)
+    chart: Ints = connected_components(links, directed=False)[1].astype(np.int32)
+    return chart
+
+
+def contacts(planes: Planes, flat: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of triangles (t, 3, 2) that lie in one plane, look the same way, and touch."""
     key = np.column_stack([np.round(planes.normal, 4), np.round(planes.distance / LIFT)])
     plane = np.unique(key + 0.0, axis=0, return_inverse=True)[1].ravel()
     # One tree for all planes: they are moved apart.
@@ -133,25 +160,37 @@ def _touching(planes: Planes, flat: Floats) -> Ints:
     moved[..., 0] += (plane * (1.0 + np.ptp(flat[..., 0])))[:, None]
     shapes = shapely.polygons(moved)
     one, other = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=2 * LIFT)
-    links = coo_array((np.ones(len(one), dtype=bool), (one, other)), shape=(len(flat),) * 2)
-    chart: Ints = connected_components(links, directed=False)[1].astype(np.int32)
-    return chart
+    return one, other
 
 
-def _arranged(flat: Floats, chart: Ints, texel: Floats) -> tuple[tuple[int, int], _Charts]:
+def _arranged(flat: Floats, chart: Ints, texel: Floats) -> tuple[tuple[int, int], Charts]:
     """Shape of the picture, and the charts in it."""
     count = int(chart.max()) + 1
     one, two = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
     area = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) + 1e-12
     needed = np.bincount(chart, area / texel**2, count)
     whole = np.bincount(chart, area, count)
-    side = np.sqrt(np.minimum(whole / needed, 0.5 * whole / LEAST))
+    return arrange(flat, chart, np.sqrt(np.minimum(whole / needed, 0.5 * whole / LEAST)))
+
+
+def arrange(flat: Floats, chart: Ints, side: Floats) -> tuple[tuple[int, int], Charts]:
+    """Shape of a picture of charts, and the charts in it.
+
+    Parameters
+    ----------
+    flat : array, shape (t, 3, 2)
+        Corners of triangles in plane coordinates, m.
+    chart : array, shape (t,)
+    side : array, shape (c,)
+        Of a chart's texels, m.
+    """
+    count = len(side)
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(low, chart, flat.min(axis=1))
     np.maximum.at(high, chart, flat.max(axis=1))
     counts = np.maximum(np.ceil((high - low) / side[:, None] - 1e-6), 1).astype(np.int32)
     shape, origin = _pack(counts + 2 * GUTTER)
-    return shape, _Charts(low, np.maximum(high - low, 1e-9) / counts, counts, origin)
+    return shape, Charts(low, np.maximum(high - low, 1e-9) / counts, counts, origin)
 
 
 def _pack(sizes: Ints) -> tuple[tuple[int, int], Ints]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from render.charts import Atlas
+from render.charts import Sheet
 from render.open_image_denoise import Denoiser
 
 __all__ = ["continued", "denoise"]
@@ -72,7 +72,7 @@ def _scattered(
     return found
 
 
-def denoise(denoiser: Denoiser, picture: Picture, atlas: Atlas) -> Picture:
+def denoise(denoiser: Denoiser, picture: Picture, atlas: Sheet) -> Picture:
     """The picture (rows, columns, 3), denoised.
 
     Every chart is brought to the same mean brightness for it: a window's reveal would
@@ -83,7 +83,7 @@ def denoise(denoiser: Denoiser, picture: Picture, atlas: Atlas) -> Picture:
     return denoiser(picture / level, {"albedo": albedo, "normal": normal}) * level
 
 
-def _levels(picture: Picture, atlas: Atlas) -> Picture:
+def _levels(picture: Picture, atlas: Sheet) -> Picture:
     """Mean of the chart of every texel, (rows, columns, 1); never 0."""
     level = np.full((*atlas.shape, 1), max(float(picture.mean()), DARKEST), dtype=np.float32)
     for row, column, rows, columns in atlas.boxes.tolist():
@@ -92,7 +92,7 @@ def _levels(picture: Picture, atlas: Atlas) -> Picture:
     return level
 
 
-def _guides(atlas: Atlas) -> tuple[Picture, Picture]:
+def _guides(atlas: Sheet) -> tuple[Picture, Picture]:
     """A colour for every chart, all over its box, and its normal (rows, columns, 3)."""
     colours = np.random.default_rng(0).uniform(0.1, 1.0, (len(atlas.boxes), 3))
     colour = np.zeros((*atlas.shape, 3), dtype=np.float32)

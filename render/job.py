@@ -52,7 +52,6 @@ def render_map(
     path : path
         Map file with ``/scene`` and ``/nodes/true_pose``.
     preset : Preset
-        See `suited_preset`.
     nodes : iterable of int, optional
         The nodes whose images are wanted; all if absent.
     limit : int, optional

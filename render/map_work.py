@@ -16,13 +16,13 @@ from dataset.topomap import TopoMap
 from render.blender import render_window
 from render.cycles import Device
 from render.lighting import missing_light
-from render.presets import PRESETS, Preset
+from render.presets import Preset
 from render.process import Job
 from scenes.apartment import Apartment
 from scenes.errors import SceneError
 from scenes.storage import apartment_from_json
 
-__all__ = ["MapWork", "Outcome", "Wanted", "suited_preset"]
+__all__ = ["MapWork", "Outcome", "Wanted"]
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class MapWork:
             discard_frames(path)
         topomap = read_map(path)
         apartment = _apartment(path, topomap)
-        preset = _suited(apartment, wanted.preset)
+        preset = wanted.preset
         camera = _camera(path, topomap, preset)
         poses = topomap.nodes.camera_pose
         assert poses is not None
@@ -114,24 +114,6 @@ class MapWork:
             self.journal.pack()
         finally:
             self.journal.close()
-
-
-def suited_preset(path: str | Path, preset: Preset) -> Preset:
-    """The preset that `render_map` takes for a map if it is asked for ``preset``.
-
-    The light of a 3D scene of another make cannot be baked; `reference` traces it.
-
-    Raises
-    ------
-    FormatError
-        If the file is no map, or cannot be rendered.
-    """
-    return _suited(_apartment(path, read_map(path)), preset)
-
-
-def _suited(apartment: Apartment, preset: Preset) -> Preset:
-    baked = preset.bake is not None and apartment.scene_file is not None
-    return PRESETS["reference"] if baked else preset
 
 
 def _camera(path: str | Path, topomap: TopoMap, preset: Preset) -> FisheyeCamera:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from render.scene_cleaning import all_data
 from scenes.importers.slicing import Triangles
 
-__all__ = ["Body", "evaluate_scene", "plain_scene", "sources_of_light", "triangles_of"]
+__all__ = ["Body", "evaluate_scene", "glows", "plain_scene", "sources_of_light", "triangles_of"]
 
 SOLID = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 SILENT = {"CAMERA", "ARMATURE", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
@@ -234,14 +234,14 @@ def sources_of_light(bpy: Any, scene: Any) -> set[str]:
     for light in bpy.data.lights:
         if light.users and light.energy > 0.0:
             found.add("sun" if light.type == "SUN" else "lamps")
-    if any(_glows(material) for material in bpy.data.materials if material.users):
+    if any(glows(material) for material in bpy.data.materials if material.users):
         found.add("lamps")
-    if scene.world is not None and _glows(scene.world):
+    if scene.world is not None and glows(scene.world):
         found.add("sky")
     return found
 
 
-def _glows(block: Any) -> bool:
+def glows(block: Any) -> bool:
     """Whether a material or world sends out light."""
     tree = block.node_tree
     if tree is None:

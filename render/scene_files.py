@@ -31,7 +31,9 @@ __all__ = ["FORMATS", "inspect_scene", "is_inside", "require_whole", "save_blend
 MOST_JSON = 200_000_000
 """Longest JSON of a glTF, bytes."""
 GZIP, ZSTD = b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
-SMALL_BLOCK, LARGE_BLOCK = struct.Struct("<4siQii"), struct.Struct("<4siQqq")
+OLDEST_BLOCK, SMALL_BLOCK = struct.Struct("<4siIii"), struct.Struct("<4siQii")
+LARGE_BLOCK = struct.Struct("<4siQqq")
+"""Of 32-bit Blender, up to 2.7; of 64-bit Blender; of Blender 5."""
 USD = (".usd", ".usda", ".usdc", ".usdz")
 MOST_UNPACKED = 8_000_000_000
 """Longest content of a Blender file, bytes; compressed nonsense can be any length."""
@@ -167,15 +169,15 @@ def _libraries(path: Path, data: IO[bytes]) -> Iterator[str]:
 def _blend_header(path: Path, data: IO[bytes]) -> tuple[struct.Struct, bool]:
     """The layout of the blocks, by the file's first bytes."""
     head = data.read(12)
-    old = re.fullmatch(rb"BLENDER-v(\d\d\d)", head)
+    old = re.fullmatch(rb"BLENDER([-_])v(\d\d\d)", head)
     if old:
-        return SMALL_BLOCK, False
+        return SMALL_BLOCK if old[1] == b"-" else OLDEST_BLOCK, False
     new = re.fullmatch(rb"BLENDER17-(\d\d)v(\d{4})", head + data.read(5))
     if new:
         if int(new[1]) > 1 or int(new[2]) > NEWEST:
             raise SceneError(f"{path}: of Blender {int(new[2]) / 100:g}; expected at most 5.0")
         return LARGE_BLOCK, True
-    raise SceneError(f"{path}: not a file of Blender for 64-bit computers; expected one")
+    raise SceneError(f"{path}: not a file of Blender for little-endian computers; expected one")
 
 
 def _skip(path: Path, data: IO[bytes], length: int) -> None:

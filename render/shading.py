@@ -18,7 +18,7 @@ from render.nodes import Socket, Tree, add_node
 from render.patterns import pattern_colour
 from scenes.apartment import Material
 
-__all__ = ["ATLAS", "build_glow", "build_material"]
+__all__ = ["ATLAS", "MATTE_ROUGHNESS", "build_glow", "build_material"]
 
 MATTE_ROUGHNESS = 0.65
 """Surfaces at least this rough are purely diffuse."""

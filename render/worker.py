@@ -19,6 +19,7 @@ import shutil
 import sys
 import traceback
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
@@ -31,7 +32,6 @@ from dataset.errors import RoomsegError
 from render.baked_scene import build_baked_scene
 from render.baking import bake, lay_out_apartment
 from render.blender import add_camera, build_scene
-from render.charts import Atlas
 from render.cycles import FrameSource, configure, select_device
 from render.libraries import load_bpy
 from render.light_store import bake_path, stored_light
@@ -39,60 +39,77 @@ from render.open_image_denoise import Denoiser
 from render.own_scene import open_own_scene
 from render.presets import Bake
 from render.process import Job
+from render.scene_baking import BakedScene, traced_rest
 from scenes.errors import SceneError
 
 __all__ = ["leave", "main", "read_lines"]
+
+Picture = NDArray[np.float32]
+Baker = Callable[[], Picture]
 
 
 def _prepare(line: str, on_bake: Callable[[], None]) -> tuple[FrameSource, str]:
     """Build the job's scene; the frame source and the device it uses."""
     job = Job.from_json(line)
     bpy = load_bpy()
-    own, denoiser = job.apartment.scene_file is not None, None
+    own, preset = job.apartment.scene_file is not None, job.preset
+    denoiser = Denoiser(bpy, job.threads) if preset.bake is not None else None
     if own:
-        scene = open_own_scene(bpy, job.apartment, job.folder)
+        scene = _own_scene(bpy, job, on_bake)
         add_camera(bpy, scene, job.camera)
-    elif job.preset.bake is not None:
-        scene = _baked(bpy, job, job.preset.bake, on_bake)
-        denoiser = Denoiser(bpy, job.threads)
+        preset = preset if preset.bake is None else traced_rest(preset)
+    elif preset.bake is not None:
+        atlas = lay_out_apartment(job.apartment, preset.bake)
+        light = _light(bpy, job, atlas.shape, _baker(bpy, job, preset.bake), on_bake)[0]
+        scene = build_baked_scene(bpy, job.apartment, job.camera, atlas, light)
     else:
         scene = build_scene(bpy, job.apartment, job.camera)
-    configure(scene, job.preset, job.threads, glass=own)
+    configure(scene, preset, job.threads, glass=own)
     used = select_device(bpy, scene, job.device)
     return FrameSource(bpy, scene, job.camera, denoiser=denoiser), used
 
 
-def _baked(bpy: Any, job: Job, settings: Bake, on_bake: Callable[[], None]) -> Any:
-    """The job's scene with its light baked, now or by an earlier job."""
-    atlas, path = _light_place(bpy, job, settings)
-    light = stored_light(path, atlas.shape, _baker(bpy, job, settings, on_bake))
-    return build_baked_scene(bpy, job.apartment, job.camera, atlas, light)
+def _own_scene(bpy: Any, job: Job, on_bake: Callable[[], None]) -> Any:
+    """The apartment's own scene, with its light baked if the preset does so."""
+    settings = job.preset.bake
+    if settings is None:
+        return open_own_scene(bpy, job.apartment, job.folder)
+    baked = BakedScene(bpy, job.apartment, job.folder, settings)
+    bake_now = partial(baked.bake, job.threads, job.device)
+    light, _ = _light(bpy, job, baked.atlas.shape, bake_now, on_bake)
+    return baked.show(light)
 
 
-def _light_place(bpy: Any, job: Job, settings: Bake) -> tuple[Atlas, Path]:
-    """How the apartment's surfaces are laid out, and where their light is kept."""
-    atlas = lay_out_apartment(job.apartment, settings)
-    return atlas, bake_path(job.apartment, settings, job.folder, bpy.app.version_string)
+def _light(
+    bpy: Any, job: Job, shape: tuple[int, int], make: Baker, on_bake: Callable[[], None]
+) -> tuple[Picture, Path]:
+    """The light of a job's apartment, baked now or by an earlier job; the file it is in."""
+    assert job.preset.bake is not None
+    path = bake_path(job.apartment, job.preset.bake, job.folder, bpy.app.version_string)
 
-
-def _baker(
-    bpy: Any, job: Job, settings: Bake, on_bake: Callable[[], None]
-) -> Callable[[], NDArray[np.float32]]:
-    def make() -> NDArray[np.float32]:
+    def told() -> Picture:
         on_bake()
-        return bake(bpy, job.apartment, settings, threads=job.threads, device=job.device)
+        return make()
 
-    return make
+    return stored_light(path, shape, told), path
+
+
+def _baker(bpy: Any, job: Job, settings: Bake) -> Baker:
+    return partial(bake, bpy, job.apartment, settings, threads=job.threads, device=job.device)
 
 
 def _find_light(line: str, on_bake: Callable[[], None]) -> Path:
     """See to it that the light of a job's apartment is baked; the file that it is in."""
     job = Job.from_json(line)
-    assert job.preset.bake is not None
+    settings = job.preset.bake
+    assert settings is not None
     bpy = load_bpy()
-    atlas, path = _light_place(bpy, job, job.preset.bake)
-    stored_light(path, atlas.shape, _baker(bpy, job, job.preset.bake, on_bake))
-    return path
+    if job.apartment.scene_file is None:
+        shape = lay_out_apartment(job.apartment, settings).shape
+        return _light(bpy, job, shape, _baker(bpy, job, settings), on_bake)[1]
+    baked = BakedScene(bpy, job.apartment, job.folder, settings)
+    bake_now = partial(baked.bake, job.threads, job.device)
+    return _light(bpy, job, baked.atlas.shape, bake_now, on_bake)[1]
 
 
 def _answer(channel: BinaryIO, head: dict[str, Any], data: bytes = b"") -> None:

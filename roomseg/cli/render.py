@@ -81,11 +81,9 @@ def command(
     if scheduler is not None and jobs > 1:
         raise click.UsageError("--jobs starts workers here, --scheduler uses those of a cluster")
     wanted = Wanted(preset_named(preset), limit, threads, device, hdr, force)
-    counts, foreign = _looked_at(maps, wanted)
+    counts = _looked_at(maps, wanted)
     with progress_bar("images") as bar:
         images = ImageBar(bar, counts)
-        for path in foreign:
-            images.tell(path, "a 3D scene of another make, rendered as 'reference'")
         with closing(rendered(maps, wanted, images, jobs=jobs, scheduler=scheduler)) as outcomes:
             for outcome in outcomes:
                 if outcome.problem is not None:
@@ -95,30 +93,23 @@ def command(
                     tell(bar, str(picture))
 
 
-def _looked_at(
-    maps: Sequence[Path], wanted: Wanted
-) -> tuple[dict[Path, tuple[int, int]], list[Path]]:
+def _looked_at(maps: Sequence[Path], wanted: Wanted) -> dict[Path, tuple[int, int]]:
     """Look at all files before hours are spent on the first.
 
     Returns
     -------
-    counts : dict of Path to (int, int)
+    dict of Path to (int, int)
         Images that each map has, and will have.
-    foreign : list of Path
-        Maps whose apartment is a 3D scene that cannot be baked.
     """
     from dataset import FrameJournal, read_map
-    from render import suited_preset
 
-    counts, foreign = {}, []
+    counts = {}
     for path in maps:
-        preset, topomap, done = suited_preset(path, wanted.preset), read_map(path), 0
-        if preset != wanted.preset:
-            foreign.append(path)
+        topomap, done = read_map(path), 0
         if not wanted.force:
-            camera = preset.camera(topomap.camera)
-            with FrameJournal(path, camera, preset.name, keep_radiance=wanted.hdr) as journal:
+            camera, name = wanted.preset.camera(topomap.camera), wanted.preset.name
+            with FrameJournal(path, camera, name, keep_radiance=wanted.hdr) as journal:
                 done = len(journal.done)
         nodes = len(topomap.nodes)
         counts[path] = (done, nodes if wanted.limit is None else min(nodes, done + wanted.limit))
-    return counts, foreign
+    return counts

@@ -217,12 +217,14 @@ def free_floor(triangles: Triangles, low: float, high: float) -> shapely.Geometr
     Returns
     -------
     Geometry
-        Only what is under a ceiling, if anything is.
+        Only what is under a ceiling, if there is a room under one.
     """
     free = _floor_extent(triangles, low).difference(slab_obstacles(triangles, low, high))
     parts = polygons(free, TOO_SMALL)
     roofed = [part for part in parts if height_of_ceiling(triangles, part) is not None]
-    return shapely.MultiPolygon(roofed or parts)
+    # The inside of a cupboard is no room: a scene without a ceiling has such, too.
+    indoors = any(part.area >= LEAST_FLOOR for part in roofed)
+    return shapely.MultiPolygon(roofed if indoors else parts)
 
 
 def _floor_extent(triangles: Triangles, low: float) -> shapely.Geometry:

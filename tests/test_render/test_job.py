@@ -19,7 +19,7 @@ import render.job
 from dataset import FormatError, FrameJournal, MapFile, RoomsegError, read_map, write_map
 from dataset.camera import CameraFlaws, FisheyeCamera
 from dataset.topomap import Nodes, Obstacles, TopoMap, Visits
-from render import PRESETS, Preset, render_map, suited_preset
+from render import Preset, render_map
 from render.lighting import missing_light
 from render.presets import Bake
 from render.process import Job, RenderProcess
@@ -258,16 +258,6 @@ def test_baked_light_is_shared_and_may_be_deleted(tmp_path: Path) -> None:
     assert render_map(path, preset=preset) == N - 2
     assert stored.read_bytes() == light
     assert images(path) == images(other)
-
-
-def test_a_scene_of_its_own_is_traced(tmp_path: Path) -> None:
-    room = boxed_room((0.0, 2.1)).model_dump()
-    room["scene_file"] = {"file": "room.blend", "sha256": "0" * 64}
-    own = Apartment.model_validate(room).model_dump_json()
-    path = make_map(tmp_path / "map.h5", scene=own)
-    assert suited_preset(path, PRESETS["fast"]) == PRESETS["reference"]
-    assert suited_preset(path, TINY) == TINY
-    assert suited_preset(make_map(tmp_path / "b.h5"), PRESETS["fast"]) == PRESETS["fast"]
 
 
 def test_maps_without_scene_or_poses_are_refused(tmp_path: Path) -> None:

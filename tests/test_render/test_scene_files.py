@@ -27,14 +27,18 @@ def glb(content: object) -> bytes:
     return head + text
 
 
-def blend(*blocks: tuple[bytes, bytes], wide: bool = True) -> bytes:
-    """A Blender file of the two layouts."""
-    data = b"BLENDER17-01v0500" if wide else b"BLENDER-v405"
+HEADS = {"5.0": b"BLENDER17-01v0500", "4.5": b"BLENDER-v405", "32 bits": b"BLENDER_v261"}
+
+
+def blend(*blocks: tuple[bytes, bytes], kind: str = "5.0") -> bytes:
+    """A Blender file of the three layouts."""
+    data = HEADS[kind]
     for code, content in (*blocks, (b"ENDB", b"")):
-        if wide:
+        if kind == "5.0":
             data += struct.pack("<4siQqq", code, 0, 1, len(content), 1) + content
         else:
-            data += struct.pack("<4siQii", code, len(content), 1, 0, 1) + content
+            address = "Q" if kind == "4.5" else "I"
+            data += struct.pack(f"<4si{address}ii", code, len(content), 1, 0, 1) + content
     return data
 
 
@@ -47,9 +51,9 @@ def test_paths_that_leave_a_folder(tmp_path: Path) -> None:
         assert not is_inside(tmp_path, outside), outside
 
 
-@pytest.mark.parametrize("wide", [True, False])
-def test_blender_files_are_walked_to_their_end(tmp_path: Path, wide: bool) -> None:
-    whole = blend((b"GLOB", b"x" * 99), (b"DNA1", b"y" * 1000), wide=wide)
+@pytest.mark.parametrize("kind", HEADS)
+def test_blender_files_are_walked_to_their_end(tmp_path: Path, kind: str) -> None:
+    whole = blend((b"GLOB", b"x" * 99), (b"DNA1", b"y" * 1000), kind=kind)
     assert inspect_scene(write(tmp_path / "a.blend", whole))
     assert inspect_scene(write(tmp_path / "z.blend", gzip.compress(whole)))
     for cut in (len(whole) - 30, len(whole) - 40, 200, 20):
@@ -67,10 +71,10 @@ def test_a_blender_file_without_end_is_refused(tmp_path: Path) -> None:
             inspect_scene(write(tmp_path / "a.blend", huge))
 
 
-@pytest.mark.parametrize("wide", [True, False])
-def test_a_blender_file_that_links_another_is_refused(tmp_path: Path, wide: bool) -> None:
+@pytest.mark.parametrize("kind", HEADS)
+def test_a_blender_file_that_links_another_is_refused(tmp_path: Path, kind: str) -> None:
     library = b"\0" * 40 + b"LIchairs.blend" + b"\0" * 60 + b"//../chairs.blend\0"
-    path = write(tmp_path / "a.blend", blend((b"LI\0\0", library), wide=wide))
+    path = write(tmp_path / "a.blend", blend((b"LI\0\0", library), kind=kind))
     with pytest.raises(SceneError, match=r"links data of other files \(//../chairs.blend\)"):
         inspect_scene(path)
 

@@ -70,7 +70,6 @@ def test_expose_tells_what_is_missing(folder, capsys):
 
 def test_contact_sheet_of_a_map_that_is_rendered(folder, monkeypatch, capsys):
     monkeypatch.setattr("render.render_map", lambda *_, **__: 0)
-    monkeypatch.setattr("render.suited_preset", lambda _, preset: preset)
     assert main(["render", "flat.h5", "--preset", "draft", "--contact-sheet"]) == 0
     assert "flat.png" in capsys.readouterr().out
     picture = cv2.imread("flat.png", cv2.IMREAD_GRAYSCALE)

@@ -10,7 +10,7 @@ import pytest
 
 from dataset import RoomsegError
 from dataset.storage import write_map
-from render import PRESETS, preset_named, render_map, suited_preset
+from render import preset_named, render_map
 from roomseg.cli.main import main
 from scenes import load_apartment
 from simulator import coverage_report, simulate
@@ -68,15 +68,3 @@ def test_render_names_a_scene_that_is_missing_or_nonsense(home: Path) -> None:
         render_map("home-run1.h5", preset=preset_named("preview"), limit=1)
     assert "\n" not in str(caught.value)
     assert Path("home-run1.h5").exists()
-
-
-def test_a_scene_of_its_own_is_rendered_as_reference(home: Path, monkeypatch, capsys) -> None:
-    place = load_apartment(home)
-    write_map("home-run1.h5", simulate(place, run="run1", seed=1, created="1970-01-01T00:00:00Z"))
-    assert suited_preset("home-run1.h5", PRESETS["fast"]) == PRESETS["reference"]
-    assert suited_preset("home-run1.h5", PRESETS["quick"]) == PRESETS["quick"]
-    monkeypatch.setattr("render.render_map", lambda *_, **__: 0)
-    assert main(["render", "home-run1.h5"]) == 0
-    assert "a 3D scene of another make, rendered as 'reference'" in capsys.readouterr().err
-    assert main(["render", "home-run1.h5", "--preset", "quick"]) == 0
-    assert "another make" not in capsys.readouterr().err

@@ -173,7 +173,6 @@ def test_render_passes_its_options_and_discards_by_force(folder, monkeypatch, ca
         return 1
 
     monkeypatch.setattr("render.render_map", fake)
-    monkeypatch.setattr("render.suited_preset", lambda _, preset: preset)
     n = len(read_map("north.h5").nodes)
     succeed("render", "north.h5", "south.h5", "--preset", "draft", "--limit", "4")
     succeed("render", "north.h5", "--preset", "preview", "--force")
@@ -190,7 +189,6 @@ def test_render_refuses_another_preset_before_it_begins(folder, monkeypatch, cap
         journal.append(0, np.ones(CAMERA.image_size, np.uint8), 1.0)
         journal.pack()
     monkeypatch.setattr("render.render_map", lambda *_, **__: pytest.fail("must not begin"))
-    monkeypatch.setattr("render.suited_preset", lambda _, preset: preset)
     assert main(["render", "north.h5", "south.h5"]) == 2
     assert "south.h5: holds frames of preset 'draft', not 'fast'" in capsys.readouterr().err
 

@@ -188,6 +188,14 @@ def test_only_what_has_a_ceiling_counts_if_anything_has_one() -> None:
     assert is_near(free, shapely.box(0, 0, 11.9, 12))
 
 
+def test_the_inside_of_a_cupboard_is_no_room() -> None:
+    floor = sheet((0, 0, 0), (5, 0, 0), (5, 4, 0), (0, 4, 0))
+    sides = [box((0, 0, 0), (0.02, 0.6, 2)), box((0.98, 0, 0), (1, 0.6, 2))]
+    sides += [box((0, 0, 0), (1, 0.02, 2)), box((0, 0.58, 0), (1, 0.6, 2))]
+    free = free_floor(soup(floor, *sides, box((0, 0, 2), (1, 0.6, 2.02))), LOW, HIGH)
+    assert free.contains(shapely.box(1.1, 0.7, 4.9, 3.9))
+
+
 def test_rays_meet_a_convex_solid_where_its_planes_say() -> None:
     rng = np.random.default_rng(5)
     mesh = trimesh.convex.convex_hull(rng.normal(0.0, 1.0, (60, 3)))
