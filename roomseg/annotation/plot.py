@@ -25,6 +25,7 @@ from dataset.topomap import TopoMap
 from roomseg.annotation.cut import Cut, CuttableMap
 from roomseg.annotation.drawing import Drawing
 from roomseg.annotation.identity import room_of_nodes
+from roomseg.browser.labels import draw_names
 from roomseg.figures.style import (
     BORDER_BLACK,
     BORDER_EDGE_GREEN,
@@ -169,20 +170,7 @@ class MapPlot:
         )
 
         self.titles = ColumnDataSource({"x": [], "y": [], "title": []}, name="titles")
-        plot.text(
-            "x",
-            "y",
-            text="title",
-            source=self.titles,
-            text_align="center",
-            text_baseline="middle",
-            text_font_size="13px",
-            text_font_style="bold",
-            background_fill_color="white",
-            background_fill_alpha=0.8,
-            padding=3,
-            border_radius=4,
-        )
+        draw_names(plot, self.titles, "title")
 
     def metres_per_pixel(self) -> float:
         """How much of the map one pixel shows; a guess until the browser has told."""

@@ -11,6 +11,7 @@ import shapely
 from bokeh.models import ColumnDataSource, CustomJS, HoverTool, TapTool
 from matplotlib.colors import to_hex
 
+from roomseg.browser.labels import draw_names
 from roomseg.browser.map_layers import line_columns
 from roomseg.browser.shell import (
     PALETTE,
@@ -205,19 +206,14 @@ def _draw_signs(plot: Any, plan: HomePlan, layers: dict[str, list[Any]]) -> None
 
 
 def _draw_names(plot: Any, rooms: ColumnDataSource) -> Any:
-    names = plot.text(
-        "x",
-        "y",
-        text="title",
+    names = draw_names(
+        plot,
+        rooms,
+        "title",
         angle="angle",
-        source=rooms,
-        text_align="center",
-        text_baseline="middle",
         text_font_size="12px",
-        background_fill_color="white",
+        text_font_style="normal",
         background_fill_alpha=0.75,
-        padding=3,
-        border_radius=4,
     )
     # Only the floor shows which room is selected.
     names.nonselection_glyph = None

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from dataset.topomap import TopoMap
 from roomseg.browser.comparison import Segmentation, shown_beside
+from roomseg.browser.labels import draw_names
 from roomseg.browser.map_layers import MapLayers, line_columns
 from roomseg.browser.replay import robot_sources
 from roomseg.browser.shell import FEATURE_TITLES, PALETTE, layer_switch, plan_figure, text
@@ -187,20 +188,7 @@ class MapView:
     def _draw_names(self, plot: Any, index: int) -> None:
         source = ColumnDataSource(self._shown[0][index].rooms, name=f"names{index}")
         self._names.append(source)
-        names = plot.text(
-            "x",
-            "y",
-            text="name",
-            source=source,
-            text_align="center",
-            text_baseline="middle",
-            text_font_size="13px",
-            text_font_style="bold",
-            background_fill_color="white",
-            background_fill_alpha=0.8,
-            padding=3,
-            border_radius=4,
-        )
+        names = draw_names(plot, source, "name")
         self.layers.add("room names", names, shown=True)
 
     def layout(self) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import http.client
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from chromium import chromium, needs_chromium
 from cleaned_flat import cleaned_flat, fisheye_image
 
 from dataset import problems, read_map, write_map
@@ -24,10 +24,7 @@ from roomseg.annotation.carrying import carried_to_map
 from roomseg.annotation.journal import journal_path
 from roomseg.cli.main import main
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="no chromium; setup.sh installs it where it can"
-)
+pytestmark = needs_chromium
 FLAT = cleaned_flat("flat")
 DOORS = carried_to_map(FLAT.nodes, FLAT.ground_truth.borders)[[1, 4]]
 """The middle line of either doorway."""
@@ -125,14 +122,8 @@ def serving(*arguments: str | Path) -> Iterator[tuple[subprocess.Popen[str], str
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
-        )
+    with chromium() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture

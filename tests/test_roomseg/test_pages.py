@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from chromium import chromium, needs_chromium
 from cleaned_flat import cleaned_flat, fisheye_image
 from small_flats import two_rooms
 
@@ -23,10 +24,6 @@ from roomseg.evaluation import train_on
 from roomseg.features import edge_features
 from roomseg.labelled_map import LabelledMap
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-in_browser = pytest.mark.skipif(
-    CHROMIUM is None, reason="no chromium; setup.sh installs it where it can"
-)
 NAME = "</script><b>flat"
 FLAT = replace(cleaned_flat(NAME), camera=cleaned_flat().camera.resized(32))
 
@@ -226,14 +223,8 @@ def test_a_model_for_real_maps_needs_the_room_count(folder: Path, tmp_path: Path
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
-        )
+    with chromium() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture
@@ -247,7 +238,7 @@ def tab(browser: Any) -> Iterator[Page]:
     assert shown.errors == []
 
 
-@in_browser
+@needs_chromium
 def test_a_run_is_replayed_in_the_page(folder: Path, tmp_path: Path, tab: Page) -> None:
     tab.open(page_of(tmp_path, folder / "placed.h5"))
     points = tab.of("obstacle points", "data.x.length")
@@ -270,7 +261,7 @@ def test_a_run_is_replayed_in_the_page(folder: Path, tmp_path: Path, tab: Page) 
     assert tab.of("obstacle points", "data.x.length") == points
 
 
-@in_browser
+@needs_chromium
 def test_two_segmentations_are_compared(folder: Path, tmp_path: Path, tab: Page) -> None:
     compared = ("--compare", folder / "copy.h5", "--compare", folder / "model.skops")
     tab.open(page_of(tmp_path, folder / "flat.h5", *compared))
@@ -294,7 +285,7 @@ def test_two_segmentations_are_compared(folder: Path, tmp_path: Path, tab: Page)
     assert len(ranges) == 2 and len(set(ranges)) == 1, "zoomed together"
 
 
-@in_browser
+@needs_chromium
 def test_layers_features_and_images(folder: Path, tmp_path: Path, tab: Page) -> None:
     tab.open(page_of(tmp_path, folder / "copy.h5"))
     tab.page.locator("select").select_option("passageway_width")
@@ -309,7 +300,7 @@ def test_layers_features_and_images(folder: Path, tmp_path: Path, tab: Page) -> 
     tab.until(f"({MODEL})('node').text.includes('no image')")
 
 
-@in_browser
+@needs_chromium
 def test_pointing_at_a_node_shows_its_images(folder: Path, tmp_path: Path, tab: Page) -> None:
     tab.open(page_of(tmp_path, folder / "flat.h5"))
     tab.page.mouse.move(*tab.at(FLAT.nodes.position[31]))
@@ -317,7 +308,7 @@ def test_pointing_at_a_node_shows_its_images(folder: Path, tmp_path: Path, tab: 
     assert tab.of("node", "text").count('<img src="data:image/jpeg;base64,') == 2
 
 
-@in_browser
+@needs_chromium
 def test_rooms_of_an_apartment_are_chosen(folder: Path, tmp_path: Path, tab: Page) -> None:
     tab.open(page_of(tmp_path, folder / "home.json"))
     assert tab.of("furniture", "data.name[0]") == "chair"
@@ -330,7 +321,7 @@ def test_rooms_of_an_apartment_are_chosen(folder: Path, tmp_path: Path, tab: Pag
     tab.until(f"({MODEL})('room').text.includes('<dd>b</dd>')")
 
 
-@in_browser
+@needs_chromium
 def test_a_model_tells_what_it_is_made_of(folder: Path, tmp_path: Path, tab: Page) -> None:
     tab.open(page_of(tmp_path, folder / "model.skops"))
     assert tab.of("features", "data.feature") == ["edge length, m", "passageway width, m"]
@@ -347,7 +338,7 @@ def test_files_are_in_the_order_of_their_numbers(folder: Path, tmp_path: Path) -
     assert page.index('"home-2.json"') < page.index('"home-10.json"')
 
 
-@in_browser
+@needs_chromium
 def test_a_folder_shows_its_files(files: Path, tmp_path: Path, tab: Page) -> None:
     tab.open(page_of(tmp_path, files))
     names = ["flat.h5", "model.skops", "homes/home.json"]
