@@ -7,7 +7,7 @@ The figures behind the choice are in ``docs/render.md``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from dataset.camera import FisheyeCamera
@@ -76,14 +76,16 @@ class Preset:
         return camera if self.disc_diameter is None else camera.resized(self.disc_diameter)
 
 
+FAST = Preset("fast", 4, max_bounces=2, diffuse_bounces=0, glossy_bounces=2, bake=Bake())
+"""The default."""
 PRESETS: dict[str, Preset] = {
     preset.name: preset
     for preset in (
         Preset("reference", samples=16),
-        Preset("fast", 4, max_bounces=2, diffuse_bounces=0, glossy_bounces=2, bake=Bake()),
+        FAST,
         Preset("draft", samples=4),
         Preset("quick", samples=2),
-        Preset("preview", samples=4, disc_diameter=232),
+        replace(FAST, name="preview", disc_diameter=232, bake=Bake().scaled(2.0)),
     )
 }
 """The presets by name."""

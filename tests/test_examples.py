@@ -60,7 +60,7 @@ def test_another_robot(tmp_path):
 
 
 def test_render_many(tmp_path, maps):
-    options = ("--preset", "preview", "--limit", 1, "--threads", 1)
+    options = ("--preset", "quick", "--limit", 1, "--threads", 1)
     out = run("render_many.py", maps[0], *options, folder=tmp_path)
     assert out == f"{maps[0]}: 1 new images\n"
 

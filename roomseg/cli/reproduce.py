@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from roomseg.feature_set import MapFeatures
 
 SMALL_PLACES = ("demo1", "demo2", "demo3")
-DEFAULT_PRESET = "reference"
+DEFAULT_PRESET = "fast"
 QUICK_PRESET = "preview"
 
 EXAMPLE = """\b
@@ -56,7 +56,7 @@ Example:
 @click.option(
     "--quick", is_flag=True, help="Three small apartments and coarse searches, in minutes."
 )
-@click.option("--preset", help="Render settings; reference, or preview with --quick, if absent.")
+@click.option("--preset", help="Render settings; fast, or preview with --quick, if absent.")
 @jobs_option
 @seed_option
 def command(

@@ -62,9 +62,9 @@ def test_render_names_a_scene_that_is_missing_or_nonsense(home: Path) -> None:
     assert coverage_report(topomap, place).nodes > 0
     write_map("home-run1.h5", topomap)
     with pytest.raises(RoomsegError, match=r"home-1.blend: the 3D scene of 'home': No such file"):
-        render_map("home-run1.h5", preset=preset_named("preview"), limit=1)
+        render_map("home-run1.h5", preset=preset_named("quick"), limit=1)
     Path("home-1.blend").write_bytes(CONTENT)
     with pytest.raises(RoomsegError, match=r"home-1.blend: not a file of Blender") as caught:
-        render_map("home-run1.h5", preset=preset_named("preview"), limit=1)
+        render_map("home-run1.h5", preset=preset_named("quick"), limit=1)
     assert "\n" not in str(caught.value)
     assert Path("home-run1.h5").exists()
