@@ -28,7 +28,6 @@ from collections.abc import Callable, Iterable, Iterator, Set
 from contextlib import ExitStack, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
-from types import TracebackType
 from typing import BinaryIO
 
 import h5py
@@ -37,6 +36,7 @@ from numpy.typing import NDArray
 
 from dataset.atomic import force_to_disk, locked, remove_leftovers, replacing, unwritten
 from dataset.camera import FisheyeCamera
+from dataset.closing import Closing
 from dataset.errors import FormatError
 from dataset.frames import (
     Frame,
@@ -75,7 +75,7 @@ def _fingerprint(topomap: TopoMap) -> str:
     return digest.hexdigest()
 
 
-class FrameJournal:
+class FrameJournal(Closing):
     """The one writer of a map's images. Use it as a context manager.
 
     Parameters
@@ -122,17 +122,6 @@ class FrameJournal:
             self._entries = self._read_journal() if self._journal.exists() else {}
             self._done = self._packed | self._entries.keys()
             self._stack = stack.pop_all()
-
-    def __enter__(self) -> FrameJournal:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Let go of the map; what was appended stays in the journal."""

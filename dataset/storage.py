@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import h5py
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dataset.atomic import locked, remove_leftovers
 from dataset.camera import FisheyeCamera
+from dataset.closing import Closing
 from dataset.digest import map_digest
 from dataset.errors import FormatError
 from dataset.frames import Frame, Image, Images, Radiance, pack_image, put_images
@@ -120,7 +120,7 @@ def read_map(path: str | Path) -> TopoMap:
         return decode_map(file)
 
 
-class MapFile:
+class MapFile(Closing):
     """A map file open for reading; arrays are read when they are asked for.
 
     Use it as a context manager. Images that are still in a journal are not
@@ -140,17 +140,6 @@ class MapFile:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         self._file = open_map(self.path)
-
-    def __enter__(self) -> MapFile:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the file; closing twice does nothing."""

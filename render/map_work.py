@@ -6,9 +6,9 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 
 from dataset.camera import FisheyeCamera
+from dataset.closing import Closing
 from dataset.errors import FormatError, RoomsegError
 from dataset.journal import FrameJournal, discard_frames
 from dataset.storage import read_map
@@ -47,7 +47,7 @@ class Outcome:
     problem: RoomsegError | SceneError | OSError | None = None
 
 
-class MapWork:
+class MapWork(Closing):
     """The images that a map lacks. Use it as a context manager, or close it.
 
     Parameters
@@ -96,17 +96,6 @@ class MapWork:
         done = self.journal.done
         self.missing = deque([i for i in chosen if i not in done][: wanted.limit])
         self.total = len(done) + len(self.missing)
-
-    def __enter__(self) -> MapWork:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Pack what was rendered into the map, and let go of it."""

@@ -11,13 +11,13 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from types import TracebackType
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dataset.camera import FisheyeCamera
+from dataset.closing import Closing
 from dataset.errors import RoomsegError
 from render.cycles import Device
 from render.presets import Preset, preset_from
@@ -74,7 +74,7 @@ class DeadProcessError(RoomsegError):
     """The rendering process ended without a word; another may do better."""
 
 
-class _Child:
+class _Child(Closing):
     """A process of `render.worker` that has been told its job."""
 
     def __init__(
@@ -180,17 +180,6 @@ class RenderProcess(_Child):
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> RenderProcess:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def frames(
         self, indices: list[int], poses: NDArray[np.float64], seed: int | None = None

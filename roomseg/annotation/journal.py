@@ -14,12 +14,12 @@ import json
 import os
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
 from typing import IO, Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from dataset.atomic import force_to_disk, locked, unwritten
+from dataset.closing import Closing
 from dataset.errors import FormatError
 from dataset.topomap import TopoMap
 from roomseg.annotation.drawing import Drawing
@@ -48,7 +48,7 @@ def _line(content: Any) -> bytes:
     return json.dumps(content, separators=(",", ":")).encode()
 
 
-class AnnotationJournal:
+class AnnotationJournal(Closing):
     """The one writer of a map's journal. Use it as a context manager.
 
     Parameters
@@ -81,17 +81,6 @@ class AnnotationJournal:
             stack.enter_context(locked(self.path))
             self.found = self._read() if self.path.exists() else None
             self._stack = stack.pop_all()
-
-    def __enter__(self) -> AnnotationJournal:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Let the journal go; its file stays."""

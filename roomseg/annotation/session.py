@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dataset import FormatError, GroundTruth, TopoMap, read_map, write_ground_truth
+from dataset.closing import Closing
 from roomseg.annotation import correction
 from roomseg.annotation.carrying import carried_to_map
 from roomseg.annotation.cut import Cut, CuttableMap
@@ -45,7 +45,7 @@ class Confirmation:
     problem: str
 
 
-class Annotation:
+class Annotation(Closing):
     """The annotation of one map file. Use it as a context manager.
 
     Parameters
@@ -85,17 +85,6 @@ class Annotation:
             edits = len(self.history.past)
             self.notice = f"Found again: {edits} edits that were not saved into the map yet."
         self._take(self.history)
-
-    def __enter__(self) -> Annotation:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Let the map go; what is not saved stays in the journal."""

@@ -14,6 +14,20 @@ needs_chromium = pytest.mark.skipif(
     CHROMIUM is None, reason="no chromium; setup.sh installs it where it can"
 )
 
+FIND_FIGURE = """() => {
+  const find = (view) => view.model.type == "Figure" ? view :
+    (view.child_views ?? []).map(find).find((found) => found != null)
+  return [...Bokeh.index.roots].map(find).find((found) => found != null)
+}"""
+"""Code that finds Bokeh's view of the plot."""
+TO_PAGE = """([x, y]) => {
+  const view = (FIND)()
+  const corner = view.canvas_view.el.getBoundingClientRect()
+  const {x_scale, y_scale} = view.frame
+  return [corner.left + x_scale.compute(x), corner.top + y_scale.compute(y)]
+}""".replace("FIND", FIND_FIGURE)
+"""Code that tells where on the page a point of the plot is."""
+
 
 @contextmanager
 def chromium() -> Iterator[Any]:

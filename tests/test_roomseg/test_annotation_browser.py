@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chromium import chromium, needs_chromium
+from chromium import FIND_FIGURE, TO_PAGE, chromium, needs_chromium
 from cleaned_flat import cleaned_flat, fisheye_image
 
 from dataset import problems, read_map, write_map
@@ -28,17 +28,6 @@ pytestmark = needs_chromium
 FLAT = cleaned_flat("flat")
 DOORS = carried_to_map(FLAT.nodes, FLAT.ground_truth.borders)[[1, 4]]
 """The middle line of either doorway."""
-FIND_FIGURE = """() => {
-  const find = (view) => view.model.type == "Figure" ? view :
-    (view.child_views ?? []).map(find).find((found) => found != null)
-  return [...Bokeh.index.roots].map(find).find((found) => found != null)
-}"""
-TO_PAGE = """([x, y]) => {
-  const view = (FIND)()
-  const corner = view.canvas_view.el.getBoundingClientRect()
-  const {x_scale, y_scale} = view.frame
-  return [corner.left + x_scale.compute(x), corner.top + y_scale.compute(y)]
-}""".replace("FIND", FIND_FIGURE)
 IMAGE_SIZES = """() => {
   const all = (root) => [...root.querySelectorAll("*")].flatMap((e) =>
     [...(e.tagName == "IMG" ? [e] : []), ...(e.shadowRoot ? all(e.shadowRoot) : [])])

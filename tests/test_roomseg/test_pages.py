@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chromium import chromium, needs_chromium
+from chromium import TO_PAGE, chromium, needs_chromium
 from cleaned_flat import cleaned_flat, fisheye_image
 from small_flats import two_rooms
 
@@ -28,17 +28,6 @@ NAME = "</script><b>flat"
 FLAT = replace(cleaned_flat(NAME), camera=cleaned_flat().camera.resized(32))
 
 MODEL = "(name) => Bokeh.documents[0].get_model_by_name(name)"
-FIND_FIGURE = """() => {
-  const find = (view) => view.model.type == "Figure" ? view :
-    (view.child_views ?? []).map(find).find((found) => found != null)
-  return [...Bokeh.index.roots].map(find).find((found) => found != null)
-}"""
-TO_PAGE = """([x, y]) => {
-  const view = (FIND)()
-  const corner = view.canvas_view.el.getBoundingClientRect()
-  const {x_scale, y_scale} = view.frame
-  return [corner.left + x_scale.compute(x), corner.top + y_scale.compute(y)]
-}""".replace("FIND", FIND_FIGURE)
 
 
 class Tags(HTMLParser):
