@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import click
 
 from roomseg.cli.generate import is_there, write_homes
-from roomseg.cli.options import jobs_option
+from roomseg.cli.options import OutputFolder, jobs_option
 from roomseg.cli.output import counted, follow, progress_bar, tell, write_table
 from roomseg.cli.rendering import ImageBar, rendered, scheduler_option, threads_option
 from roomseg.cli.runs import Outcome, Run, lost, recognise
@@ -42,7 +42,7 @@ Example:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutputFolder(),
     required=True,
     help="Folder of the dataset; made if it is missing.",
 )

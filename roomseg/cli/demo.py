@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from roomseg.cli.options import seed_option
+from roomseg.cli.options import OutputFolder, seed_option
 from roomseg.cli.output import follow, progress_bar
 
 PLACES = ("demo1", "demo2", "demo3")
@@ -21,7 +21,7 @@ Example:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutputFolder(),
     default="demo",
     show_default=True,
     help="Folder of the maps and the report; made if it is missing.",

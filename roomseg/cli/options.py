@@ -13,6 +13,7 @@ import click
 __all__ = [
     "FiniteRange",
     "OutputFile",
+    "OutputFolder",
     "jobs_option",
     "json_option",
     "maps_argument",
@@ -64,6 +65,29 @@ class OutputFile(click.ParamType[Path]):
             self.fail(f"{path}: the folder {folder} does not exist", param, ctx)
         if not os.access(folder, os.W_OK):
             self.fail(f"{path}: the folder {folder} is not writable", param, ctx)
+        return path
+
+
+FILE_SUFFIXES = frozenset({".h5", ".hdf5", ".json", ".toml", ".html"})
+"""Names that end so are not meant to be folders."""
+
+
+class OutputFolder(click.Path):
+    """A folder to be written, made if it is missing."""
+
+    def __init__(self) -> None:
+        super().__init__(file_okay=False, path_type=Path)
+
+    def convert(
+        self,
+        value: str | os.PathLike[str],
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> Path:
+        """Refuse a file, and a name that was meant to be one."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if path.suffix.lower() in FILE_SUFFIXES and not path.exists():
+            self.fail(f"{path} is the name of a file, expected a folder", param, ctx)
         return path
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from roomseg.cli.options import jobs_option, seed_option
+from roomseg.cli.options import OutputFolder, jobs_option, seed_option
 from roomseg.cli.output import counted, follow, progress_bar
 from roomseg.cli.runs import Run, run_seed
 
@@ -36,7 +36,7 @@ Example:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutputFolder(),
     default="reproduction",
     show_default=True,
     help="Folder of the report, the feature set and all that is kept; made if it is missing.",

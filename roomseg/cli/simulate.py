@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from roomseg.cli.options import FiniteRange, jobs_option, json_option, seed_option
+from roomseg.cli.options import FiniteRange, OutputFolder, jobs_option, json_option, seed_option
 from roomseg.cli.output import counted, follow, progress_bar, tell, write_json
 from roomseg.cli.runs import Outcome, Run, attempt, lost, recognise, run_seed
 
@@ -63,7 +63,7 @@ Example:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutputFolder(),
     default=".",
     show_default=True,
     help="Folder of the map files; made if it is missing.",

@@ -48,6 +48,12 @@ def test_seeds_of_runs_differ_and_do_not_depend_on_their_number():
     assert [run_seed(*one) for one in wanted] == seeds
 
 
+def test_a_folder_that_is_named_like_a_file_is_refused(folder, capsys):
+    assert main(["simulate", "demo1", "-o", "demo1.h5"]) == 2
+    assert "demo1.h5 is the name of a file, expected a folder" in capsys.readouterr().err
+    assert not Path("demo1.h5").exists()
+
+
 def test_simulate_keeps_maps_that_are_there(folder, monkeypatch, capsys):
     calls = []
 
