@@ -6,7 +6,7 @@ and as BlenderProc does it, whose defaults of the renderer are set: keyframes of
 one animation into PNG files, up to 1024 samples a pixel until the noise is below 0.01,
 denoised, then one gzip-compressed HDF5 file per frame. CPU time and wall time are given;
 a machine that does other things meanwhile lengthens the latter only. The scene's own
-start is left out of all three: the first image is not counted.
+start is left out of all three; with it, but for the plain loop, goes the first image.
 
     python benchmarks/render_price.py --place sim3 --views 20        # some 20 minutes
 """
@@ -87,6 +87,8 @@ def loop(folder: Path, place: str, camera: FisheyeCamera, threads: int) -> None:
     scene.frame_start, scene.frame_end = 0, len(poses) - 1
     defaults(scene, threads)
     scene.render.filepath = str(folder / "rgb_")
+    if not len(poses):
+        return
     bpy.ops.render.render(animation=True)
     for frame in range(len(poses)):
         image = cv2.imread(str(folder / f"rgb_{frame:04d}.png"))
@@ -149,8 +151,8 @@ def measured(
     fast = per_image(spent(place, "fast", poses, options), warm, images)
     first = spent(place, "reference", poses[:1], options)
     reference = per_image(spent(place, "reference", poses, options), first, images)
-    first = spent_by_loop(place, poses[:1], options)
-    plain = per_image(spent_by_loop(place, poses[: loop_views + 1], options), first, loop_views)
+    start = spent_by_loop(place, poses[:0], options)
+    plain = per_image(spent_by_loop(place, poses[:loop_views], options), start, loop_views)
     return {
         f"fast, {PRESETS['fast'].samples} samples": (fast[0] + bake[0], fast[1] + bake[1]),
         f"of it bake, over {options['job']} images": bake,
