@@ -5,8 +5,8 @@ the one with the lowest mean impurity wins. The winner's impurity is therefore o
 the more so the fewer the maps: they chose it.
 
 The numbers are those of `roomseg.evaluation.leave_one_environment_out` for each combination,
-without what would be done twice. The work comes in parts, one place left out and one γ: they
-share a kernel's factor, and every solution is the start of the next (`roomseg.svm.SvmPath`);
+without what would be done twice. The work comes in parts, one place left out and one γ, of
+which every solution is the start of the next (`roomseg.svm.SvmPath`);
 all ρ share a classification, and a map whose predicted border edges have come up before
 is not segmented again. Parts do not depend on each other, nor on how many processes
 there are.
@@ -238,8 +238,7 @@ def _classified(part: Part) -> Iterator[tuple[list[int], NDArray[np.bool_]]]:
     is_border = np.concatenate([item.is_border for item in part.training])
     scaler = StandardScaler().fit(known)
     asked = scaler.transform(np.concatenate(values[len(part.training) :]))
-    largest = max(parameters.C for parameters in part.combinations)
-    path = SvmPath(scaler.transform(known), is_border, asked, part.combinations[0].gamma, largest)
+    path = SvmPath(scaler.transform(known), is_border, asked, part.combinations[0].gamma)
     for C, weight in sorted({(each.C, each.class_weight) for each in part.combinations}):
         pairs = ((each.C, each.class_weight) for each in part.combinations)
         indices = [index for index, pair in enumerate(pairs) if pair == (C, weight)]
