@@ -42,7 +42,8 @@ def build_baked_scene(
     scene = empty_scene(bpy)
     mesh = apartment_mesh(apartment)
     image = float_image(bpy, "light", light)
-    made = add_mesh(bpy, scene, mesh, build_materials(bpy, apartment, mesh, image))
+    pixel = 1.0 / camera.pixels_per_radian
+    made = add_mesh(bpy, scene, mesh, build_materials(bpy, apartment, mesh, image, pixel))
     add_layer(made.data, ATLAS, atlas.scaled_uv)
     add_lighting(bpy, scene, apartment, windows_gleam=True)
     add_camera(bpy, scene, camera)

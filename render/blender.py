@@ -188,10 +188,13 @@ def surface_area(mesh: Mesh, slot: int) -> float:
     return max(0.5 * float(np.linalg.norm(across, axis=1).sum()), 1e-6)
 
 
-def build_materials(bpy: Any, apartment: Apartment, mesh: Mesh, light: Any = None) -> list[Any]:
+def build_materials(
+    bpy: Any, apartment: Apartment, mesh: Mesh, light: Any = None, pixel: float = 0.0
+) -> list[Any]:
     """Blender materials of the mesh's slots; the bodies of lamps that are on glow.
 
-    With ``light``, an image of baked light, the others show it (`render.shading`).
+    With ``light``, an image of baked light, the others show it, for a camera's pixels of so
+    many rad (`render.shading`).
     """
     made = []
     for slot, name in enumerate(mesh.materials):
@@ -202,7 +205,7 @@ def build_materials(bpy: Any, apartment: Apartment, mesh: Mesh, light: Any = Non
                 warmth = apartment.lamps[lamp].temperature
                 made.append(build_glow(bpy, name, warmth, radiance))
                 continue
-        made.append(build_material(bpy, name, resolve(apartment, name), light))
+        made.append(build_material(bpy, name, resolve(apartment, name), light, pixel))
     return made
 
 

@@ -7,7 +7,9 @@ some metres: other boards lie at the same place, with other tones.
 
 Chosen here: a pixel of the 464-pixel disc covers 1.7 cm of a ceiling 2.4 m away.
 Relief of plaster is far below that and would only be noise, so plaster is a faint
-mottling of its colour; the larger relief of tiles is in their grout.
+mottling of its colour; the larger relief of tiles is in their grout. Joints are finer than
+a pixel, too: some samples meet one and most do not, which leaves dots where a camera sees a
+faint line. Where few samples are taken, joints are therefore drawn a pixel wide, and as much paler.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from render.nodes import Socket, Tree, add_node, blend, rgba
+from render.nodes import Socket, Tree, add_math, add_node, blend, rgba
 from render.wallpaper import motif_share
 from scenes.apartment import Colour, Material
 
@@ -27,13 +29,15 @@ FARTHEST_SHIFT = 50.0
 """How far a seed moves a pattern at most, m."""
 
 
-def pattern_colour(tree: Tree, material: Material) -> Socket:
-    """Colour of ``material`` at every point of a surface."""
+def pattern_colour(tree: Tree, material: Material, pixel: float = 0.0) -> Socket:
+    """Colour of ``material`` at every point of a surface, for a camera's pixels of so many rad."""
     uv = tree.nodes.new("ShaderNodeUVMap").outputs["UV"]
     if material.seed:
         shift = np.random.default_rng(material.seed).uniform(0.0, FARTHEST_SHIFT, 2)
         mapping = add_node(tree, "ShaderNodeMapping", Vector=uv, Location=(*shift, 0.0))
         uv = mapping.outputs["Vector"]
+    if material.pattern in _JOINTED:
+        return _JOINTED[material.pattern](tree, uv, material, pixel)
     return _PATTERNS[material.pattern](tree, uv, material)
 
 
@@ -76,17 +80,25 @@ def _bricks(
     joint: Colour,
     size: tuple[float, float],
     gap: float,
+    pixel: float,
 ) -> Any:
     """Brick pattern: bricks of ``size`` m in two tones, with joints of ``gap`` m between them."""
+    mortar: Any = rgba(joint)
+    half: Any = gap / 2.0
+    if pixel > 0.0:
+        distance = tree.nodes.new("ShaderNodeCameraData").outputs["View Distance"]
+        width = add_math(tree, "MAXIMUM", add_math(tree, "MULTIPLY", distance, pixel), gap)
+        half = add_math(tree, "MULTIPLY", width, 0.5)
+        mortar = blend(tree, add_math(tree, "DIVIDE", gap, width), _between(*tones), joint)
     return add_node(
         tree,
         "ShaderNodeTexBrick",
         Vector=uv,
         Color1=rgba(tones[0]),
         Color2=rgba(tones[1]),
-        Mortar=rgba(joint),
+        Mortar=mortar,
         Scale=1.0,
-        Mortar_Size=gap / 2.0,
+        Mortar_Size=half,
         Mortar_Smooth=0.1,
         Bias=0.0,
         Brick_Width=size[0],
@@ -114,7 +126,9 @@ def _wallpaper(tree: Tree, uv: Socket, material: Material) -> Socket:
     return blend(tree, share, material.colour, _second(material, 0.8))
 
 
-def _boards(tree: Tree, uv: Socket, material: Material, size: tuple[float, float]) -> Socket:
+def _boards(
+    tree: Tree, uv: Socket, material: Material, size: tuple[float, float], pixel: float
+) -> Socket:
     """Boards of ``size`` (length, width), m, each with its own tone and grain."""
     dark = _second(material, 0.7)
     bricks = _bricks(
@@ -124,6 +138,7 @@ def _boards(tree: Tree, uv: Socket, material: Material, size: tuple[float, float
         joint=_darker(dark, 0.4),
         size=size,
         gap=min(0.003, 0.05 * size[1]),
+        pixel=pixel,
     )
     bricks.offset = 0.37
     bricks.offset_frequency = 2
@@ -136,17 +151,17 @@ def _boards(tree: Tree, uv: Socket, material: Material, size: tuple[float, float
     return node.outputs[0]
 
 
-def _parquet(tree: Tree, uv: Socket, material: Material) -> Socket:
+def _parquet(tree: Tree, uv: Socket, material: Material, pixel: float) -> Socket:
     """Staves: ``size`` is their length, since that is what repeats to the eye."""
-    return _boards(tree, uv, material, (material.size, material.size / 6.0))
+    return _boards(tree, uv, material, (material.size, material.size / 6.0), pixel)
 
 
-def _planks(tree: Tree, uv: Socket, material: Material) -> Socket:
+def _planks(tree: Tree, uv: Socket, material: Material, pixel: float) -> Socket:
     """Boards: ``size`` is their width; they are ten times as long."""
-    return _boards(tree, uv, material, (10.0 * material.size, material.size))
+    return _boards(tree, uv, material, (10.0 * material.size, material.size), pixel)
 
 
-def _tiles(tree: Tree, uv: Socket, material: Material) -> Socket:
+def _tiles(tree: Tree, uv: Socket, material: Material, pixel: float) -> Socket:
     size = material.size
     bricks = _bricks(
         tree,
@@ -155,6 +170,7 @@ def _tiles(tree: Tree, uv: Socket, material: Material) -> Socket:
         joint=_second(material, 0.6),
         size=(size, size),
         gap=max(0.003, 0.02 * size),
+        pixel=pixel,
     )
     bricks.offset = 0.0
     return bricks.outputs["Color"]
@@ -189,12 +205,15 @@ _PATTERNS: dict[str, Callable[[Tree, Socket, Material], Socket]] = {
     "plain": _plain,
     "plaster": _plaster,
     "wallpaper": _wallpaper,
-    "parquet": _parquet,
-    "planks": _planks,
-    "tiles": _tiles,
     "carpet": _carpet,
     "wood": _wood,
     "fabric": _fabric,
     "metal": _plain,
     "glass": _plain,
+}
+
+_JOINTED: dict[str, Callable[[Tree, Socket, Material, float], Socket]] = {
+    "parquet": _parquet,
+    "planks": _planks,
+    "tiles": _tiles,
 }

@@ -33,7 +33,9 @@ WHITE = (1.0, 1.0, 1.0, 1.0)
 BLACK = (0.0, 0.0, 0.0, 1.0)
 
 
-def build_material(bpy: Any, name: str, material: Material, light: Any = None) -> Any:
+def build_material(
+    bpy: Any, name: str, material: Material, light: Any = None, pixel: float = 0.0
+) -> Any:
     """Blender material ``name`` with the pattern, scale and gloss of ``material``.
 
     Parameters
@@ -44,13 +46,15 @@ def build_material(bpy: Any, name: str, material: Material, light: Any = None) -
     light : bpy.types.Image, optional
         Baked light (`render.baking`), in the UV layer `ATLAS`: what is matte then shines
         by itself, and only gloss is left to trace.
+    pixel : float
+        What a pixel of the camera sees, rad: finer joints are smoothed; 0: as they are.
 
     Returns
     -------
     bpy.types.Material
     """
     made, tree = _empty(bpy, name)
-    colour = pattern_colour(tree, material)
+    colour = pattern_colour(tree, material, pixel)
     if light is None:
         surface = _surface(tree, material, colour)
     else:
