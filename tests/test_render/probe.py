@@ -15,13 +15,20 @@ from shapely import box
 from dataset.camera import FisheyeCamera
 from render.baked_scene import build_baked_scene
 from render.baking import bake, lay_out_apartment
-from render.blender import add_camera, add_mesh, build_scene, empty_scene
+from render.blender import (
+    add_camera,
+    add_layer,
+    add_mesh,
+    build_scene,
+    empty_scene,
+    float_image,
+)
 from render.cycles import FrameSource, configure, luminance, select_device
 from render.libraries import load_bpy
 from render.lighting import SHARES
 from render.open_image_denoise import Denoiser
 from render.presets import PRESETS, Bake, Preset
-from render.shading import build_glow, build_material
+from render.shading import ATLAS, build_glow, build_material
 from scenes.apartment import Apartment, Material
 from scenes.mesh import Mesh, prism_mesh
 from scenes.solids import Prism
@@ -217,6 +224,26 @@ def panes(bpy: Any) -> dict[str, np.ndarray]:
     return found
 
 
+def joints(bpy: Any) -> dict[str, np.ndarray]:
+    """A ceiling of boards that shines with even light: many samples, and few without and with
+    joints that are smoothed."""
+    camera = FisheyeCamera().resized(96)
+    pixel = 1.0 / camera.pixels_per_radian
+    corners, triangles = prism_mesh(Prism(box(-6.0, -6.0, 6.0, 6.0), 2.0, 2.1, "x"))
+    shape = Mesh(corners, triangles, np.zeros(len(triangles), dtype=np.int32), ("x",))
+    boards = Material(pattern="planks", colour=(0.5, 0.5, 0.5), roughness=0.9, size=0.2)
+    found = {}
+    for name, samples, smoothed in (("many", 512, 0.0), ("plain", 4, 0.0), ("smooth", 4, pixel)):
+        scene = empty_scene(bpy)
+        light = float_image(bpy, "light", np.ones((2, 2, 3), np.float32))
+        made = add_mesh(bpy, scene, shape, [build_material(bpy, "x", boards, light, smoothed)])
+        add_layer(made.data, ATLAS, np.full((3 * len(triangles), 2), 0.5, np.float32))
+        add_camera(bpy, scene, camera)
+        configure(scene, Preset("probe", samples=samples, denoise=False))
+        found[f"joints_{name}"] = FrameSource(bpy, scene, camera).radiance(np.zeros(3))
+    return found
+
+
 def state(bpy: Any) -> dict[str, np.ndarray]:
     """Values that Blender holds, without rendering."""
     scene = empty_scene(bpy)
@@ -258,7 +285,15 @@ def main() -> None:
     bpy = load_bpy()
     found = {f"directions_{name}": directions(bpy, camera) for name, camera in CAMERAS.items()}
     found["directions_leaning"] = directions(bpy, CAMERAS["small"], LEANING)
-    found |= markers(bpy) | rooms(bpy) | baked(bpy) | furnace(bpy) | panes(bpy) | state(bpy)
+    found |= (
+        markers(bpy)
+        | rooms(bpy)
+        | baked(bpy)
+        | furnace(bpy)
+        | panes(bpy)
+        | state(bpy)
+        | joints(bpy)
+    )
     np.savez(sys.argv[1], **found)
     sys.stdout.flush()
     os._exit(0)

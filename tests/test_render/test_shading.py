@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
+
+from dataset.camera import FisheyeCamera
 
 
 def test_tiles_have_their_size_in_metres(probed: dict[str, Any]) -> None:
@@ -36,3 +39,12 @@ def test_a_frosted_pane_lets_light_through(probed: dict[str, Any]) -> None:
     assert 0.8 < straight_up < 3.0 * 0.5
     # As well what is only reflected from behind it: or it would look black from a lit room.
     assert probed["transmission_bounces"] == probed["diffuse_bounces"] > 0
+
+
+def test_smoothed_joints_are_nearer_to_what_many_samples_show(probed: dict[str, Any]) -> None:
+    camera = FisheyeCamera().resized(96)
+    above = camera.pixel_zenith() < np.radians(35.0)
+    many, plain, smooth = (probed[f"joints_{n}"][above] for n in ("many", "plain", "smooth"))
+    assert many.std() > 0.02 * many.mean()  # there are joints to be seen
+    assert np.abs(smooth - many).std() < 0.6 * np.abs(plain - many).std()
+    assert smooth.mean() == pytest.approx(many.mean(), rel=0.02)
