@@ -88,78 +88,75 @@ class SvmPath:
         *,
         tolerance: float = 1e-3,
     ) -> None:
-        self._rows = np.ascontiguousarray(rows)
         self._columns = np.ascontiguousarray(np.concatenate([rows, others]).T)
         self._y, self._gamma, self._tolerance = np.where(is_border, 1.0, -1.0), gamma, tolerance
         self._known: dict[float, tuple[float, Floats, Floats]] = {}
 
     def fit(self, C: float, class_weight: float) -> SvmSolution:
         """Solve for C, with class_weight times C for border edges."""
-        before, beta, f = self._known.get(class_weight, (1.0, None, None))
-        scale = C / before
-        part = _Multipliers(
-            self._rows,
-            self._columns,
-            self._y * np.where(self._y > 0.0, class_weight * C, C),
-            np.zeros(len(self._rows)) if beta is None else beta * scale,
-            np.zeros(self._columns.shape[1]) if f is None else f * scale,
-        )
-        steps, (gap, bias) = 0, part.optimality(self._y)
+        n, t = len(self._y), self._columns.shape[1]
+        before, beta, f = self._known.get(class_weight, (C, np.zeros(n), np.zeros(t)))
+        bound = self._y * np.where(self._y > 0.0, class_weight * C, C)
+        beta, f = beta * (C / before), f * (C / before)
+        # Scaling rounds: what was at a bound is to stay there.
+        beta = np.where(np.isclose(beta, bound, rtol=1e-12, atol=0.0), bound, beta)
+        state = _State(beta, f, np.minimum(bound, 0.0), np.maximum(bound, 0.0), self._y)
+        steps, (gap, bias) = 0, state.optimality()
         while gap > self._tolerance and steps < MOST_STEPS:
-            steps += part.improve(self._y, self._gamma, gap, bias, self._tolerance)
-            gap, bias = part.optimality(self._y)
-        self._known[class_weight] = C, part.beta, part.f
-        decision = part.f[len(self._rows) :] + bias
-        return SvmSolution(np.abs(part.beta), bias, decision, gap, steps)
+            steps += self._improve(state, gap, bias)
+            gap, bias = state.optimality()
+        self._known[class_weight] = C, beta, f
+        return SvmSolution(np.abs(beta), bias, f[n:] + bias, gap, steps)
+
+    def _improve(self, state: _State, gap: float, bias: float) -> int:
+        """Solve for the rows that matter most, and bring f of all rows up to date."""
+        chosen = state.most_urgent(gap, bias)
+        columns = np.ascontiguousarray(self._columns[:, chosen])
+        beta, aim = state.beta[chosen], max(0.5 * self._tolerance, PROGRESS * gap)
+        rows = state.low[chosen], state.high[chosen], beta, state.error[chosen]
+        steps = minimise(columns, *rows, self._gamma, aim, MOST_STEPS)
+        change = beta - state.beta[chosen]
+        moved = np.flatnonzero(change)
+        points = np.ascontiguousarray(columns[:, moved].T)
+        kernel_sum(self._columns, points, change[moved], self._gamma, state.f)
+        state.beta[chosen] = beta
+        return steps
 
 
-class _Multipliers:
-    """Signed multipliers β = y α of the training rows, and f = K β of all rows.
+@dataclass(frozen=True)
+class _State:
+    """Signed multipliers β = y α of the training rows, between low and high; f = K β of all rows.
 
-    ``bound`` (n,) is y times the largest α, ``columns`` (f, n + t) are all rows, transposed.
+    ``beta`` and ``f`` change.
     """
 
-    def __init__(
-        self, rows: Floats, columns: Floats, bound: Floats, beta: Floats, f: Floats
-    ) -> None:
-        self._rows, self._columns = rows, columns
-        self._low, self._high = np.minimum(bound, 0.0), np.maximum(bound, 0.0)
-        # Scaling rounds: what was at a bound is to stay there.
-        near = np.isclose(beta, bound, rtol=1e-12, atol=0.0)
-        self.beta: Floats = np.where(near, bound, beta)
-        self.f = f
+    beta: Floats
+    f: Floats
+    low: Floats
+    high: Floats
+    y: Floats
 
-    def optimality(self, y: Floats) -> tuple[float, float]:
+    @property
+    def error(self) -> Floats:
+        """What f lacks, y - f, of the training rows."""
+        return self.y - self.f[: len(self.y)]
+
+    def optimality(self) -> tuple[float, float]:
         """Optimality gap, and b: the mean error of free rows as in libsvm."""
-        error = y - self.f[: len(y)]
-        rises, falls = self.beta < self._high, self.beta > self._low
+        error, rises, falls = self.error, self.beta < self.high, self.beta > self.low
         most, least = float(error[rises].max()), float(error[falls].min())
         free = rises & falls
         bias = float(error[free].mean()) if free.any() else 0.5 * (most + least)
         return most - least, bias
 
-    def improve(self, y: Floats, gamma: float, gap: float, bias: float, tolerance: float) -> int:
-        """Solve for the rows that matter most, and bring f of all rows up to date."""
-        error = y - self.f[: len(y)]
-        chosen = self._most_urgent(error, gap, bias)
-        columns = np.ascontiguousarray(self._columns[:, chosen])
-        beta, aim = self.beta[chosen], max(0.5 * tolerance, PROGRESS * gap)
-        bounds = self._low[chosen], self._high[chosen]
-        steps = minimise(columns, *bounds, beta, error[chosen], gamma, aim, MOST_STEPS)
-        change = beta - self.beta[chosen]
-        moved = np.flatnonzero(change)
-        kernel_sum(self._columns, self._rows[chosen[moved]], change[moved], gamma, self.f)
-        self.beta[chosen] = beta
-        return steps
-
-    def _most_urgent(self, error: Floats, gap: float, bias: float) -> NDArray[np.int64]:
+    def most_urgent(self, gap: float, bias: float) -> NDArray[np.int64]:
         """Rows that are free, wrong or nearly so, some of either side, in order of their number."""
-        rises, falls = self.beta < self._high, self.beta > self._low
+        excess, rises, falls = self.error - bias, self.beta < self.high, self.beta > self.low
         chosen = [np.flatnonzero(rises & falls)]
-        for side, excess in ((rises, error - bias), (falls, bias - error)):
+        for side, wrong in ((rises, excess), (falls, -excess)):
             rows = np.flatnonzero(side)
-            near = np.count_nonzero(excess[rows] > -REACH * gap)
+            near = np.count_nonzero(wrong[rows] > -REACH * gap)
             count = min(len(rows), max(LEAST_ROWS, min(near, MOST_ROWS)))
-            chosen.append(rows[np.argpartition(-excess[rows], count - 1)[:count]])
+            chosen.append(rows[np.argpartition(-wrong[rows], count - 1)[:count]])
         urgent: NDArray[np.int64] = np.unique(np.concatenate(chosen))
         return urgent
