@@ -76,7 +76,7 @@ class Preset:
         return camera if self.disc_diameter is None else camera.resized(self.disc_diameter)
 
 
-FAST = Preset("fast", 4, max_bounces=2, diffuse_bounces=0, glossy_bounces=2, bake=Bake())
+FAST = Preset("fast", 2, max_bounces=2, diffuse_bounces=0, glossy_bounces=2, bake=Bake())
 """The default."""
 PRESETS: dict[str, Preset] = {
     preset.name: preset
@@ -85,7 +85,7 @@ PRESETS: dict[str, Preset] = {
         FAST,
         Preset("draft", samples=4),
         Preset("quick", samples=2),
-        replace(FAST, name="preview", disc_diameter=232, bake=Bake().scaled(2.0)),
+        replace(FAST, name="preview", samples=4, disc_diameter=232, bake=Bake().scaled(2.0)),
     )
 }
 """The presets by name."""
