@@ -27,6 +27,7 @@ from typing import Any
 from distributed import Client, KilledWorker
 
 from dataset.errors import RoomsegError
+from dataset.interrupts import interrupts_held
 from render.cluster import crew_threads, workers_of
 from render.crew import Crew, Parcel, Rendered, render_chunk, stop_crew
 from render.map_work import MapWork, Outcome, Wanted
@@ -161,15 +162,18 @@ class _Pool:
         """Render; outcomes as they come."""
         self.waiting = paths[::-1]
         told = False
-        while self.waiting or self.preparing or self.sites:
-            workers = self._workers()
-            if not workers and not told and self.sites:
-                self.tell(self.sites[0].work.path, "no worker is there; waiting for one")
-            told = not workers
-            yield from self._open_next(sum(workers.values()))
-            self._give_out(workers)
-            with suppress(Empty):
-                yield from self.events.get(timeout=POLL_S)()
+        # Raised in the middle of Dask, a Ctrl-C may be lost: in a destructor, say.
+        with interrupts_held() as interrupt:
+            while self.waiting or self.preparing or self.sites:
+                interrupt()
+                workers = self._workers()
+                if not workers and not told and self.sites:
+                    self.tell(self.sites[0].work.path, "no worker is there; waiting for one")
+                told = not workers
+                yield from self._open_next(sum(workers.values()))
+                self._give_out(workers)
+                with suppress(Empty):
+                    yield from self.events.get(timeout=POLL_S)()
 
     # ---- maps -------------------------------------------------------------------------
 

@@ -169,6 +169,26 @@ def test_stopped_it_keeps_what_was_rendered_and_leaves_nobody(whole: bytes, tmp_
     assert path.read_bytes() == whole
 
 
+def test_ctrl_c_in_a_destructor_is_not_lost(tmp_path: Path) -> None:
+    path = make_map(tmp_path / "map.h5")
+
+    class Interrupting:
+        """As those of Dask's futures, in which Python loses a KeyboardInterrupt."""
+
+        def __del__(self) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)
+
+    def show(_: Path, done: int, __: int) -> None:
+        if done == 1:
+            Interrupting()
+
+    with pytest.raises(KeyboardInterrupt):
+        list(render_maps([path], Wanted(TINY), jobs=2, show=show))
+    with MapFile(path) as file:
+        assert file.done.any()
+
+
 def test_nobody_outlives_a_killed_writer_and_the_next_goes_on(whole: bytes, tmp_path: Path) -> None:
     path = make_map(tmp_path / "map.h5")
     code = (
