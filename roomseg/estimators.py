@@ -10,7 +10,7 @@ A score is the mean of a fold, so that the mean of all scores weighs places alik
 paper weighs maps alike. `roomseg.parameter_search` gives the paper's means, and does at once
 what a grid search does again and again.
 
-Edges alone are classified by `roomseg.classifier.border_pipeline`, a pipeline of scikit-learn.
+Edges alone are classified by `border_pipeline`, all of scikit-learn: ``SVC`` is libsvm.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.pipeline import Pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC
 from sklearn.utils.validation import check_is_fitted
 
 from dataset.storage import MapFile
@@ -35,7 +38,23 @@ from roomseg.panorama import PanoramaParameters
 from roomseg.passage_width import WidthParameters
 from roomseg.passageway import LintelParameters
 
-__all__ = ["EdgeFeatureExtractor", "RoomSegmenter"]
+__all__ = ["EdgeFeatureExtractor", "RoomSegmenter", "border_pipeline"]
+
+ITERATION_LIMIT = 10_000_000
+"""libsvm's own for up to 100,000 edges; scikit-learn has none by default."""
+
+
+def border_pipeline(parameters: ClassifierParameters | None = None) -> Pipeline:
+    """Unfitted: standardisation (§2.3.1), then C-SVM (Eqs. 12-17)."""
+    parameters = parameters or ClassifierParameters()
+    svm = SVC(
+        C=parameters.C,
+        kernel="rbf",
+        gamma=parameters.gamma,
+        class_weight={0: 1.0, 1: parameters.class_weight},
+        max_iter=ITERATION_LIMIT,
+    )
+    return Pipeline([("standardise", StandardScaler()), ("svm", svm)])
 
 
 class RoomSegmenter(BaseEstimator):  # type: ignore[misc]

@@ -126,7 +126,7 @@ def train_on(
 ) -> BorderModel:
     """Train one classifier on the edges of several maps (§2.3.2).
 
-    libsvm's result depends a little on the order of its rows, so the maps are
+    The result depends a little on the order of the rows, so the maps are
     taken in the order of their names, whatever order they are given in.
 
     Raises

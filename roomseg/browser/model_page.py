@@ -41,7 +41,7 @@ COLOURS = ("#B7BEC6", "#FFFFFF", BORDER_EDGE_GREEN)
 """No border, the boundary, a border."""
 NO_BORDER = "#6B7480"
 MANY = 2000
-"""Of more support vectors those of no border are drawn smaller."""
+"""Of more points those of no border are drawn smaller."""
 FEWEST_MAPS = 4
 """With fewer the three coefficients of Eq. 23 are not determined."""
 CHOOSE = """
@@ -80,13 +80,12 @@ def model_page(model: BorderModel, name: str) -> str:
 
 
 def _facts(model: BorderModel) -> list[tuple[str, str]]:
-    p, machine = model.parameters, model.pipeline[1]
-    without, borders = (int(count) for count in machine.n_support_)
+    p = model.parameters
     facts = [
         ("C, γ", f"{p.C:g}, {p.gamma:g}"),
         ("w", f"{p.class_weight:g}: so many times a border edge counts"),
         ("ρ", f"{p.rho:g}: so many times less it weighs in the graph"),
-        ("support", f"{borders} border edges, {without} others"),
+        ("points", f"{len(model.points)} that hold the boundary"),
     ]
     edges = sum(item.edges for item in model.trained_on)
     if edges:
@@ -100,12 +99,11 @@ def _facts(model: BorderModel) -> list[tuple[str, str]]:
 
 
 def _features(model: BorderModel) -> Any:
-    scaler = model.pipeline[0]
     source = ColumnDataSource(
         {
             "feature": [FEATURE_TITLES.get(name, name) for name in model.names],
-            "mean": [float(value) for value in scaler.mean_],
-            "spread": [float(value) for value in scaler.scale_],
+            "mean": [float(value) for value in model.mean],
+            "spread": [float(value) for value in model.spread],
         },
         name="features",
     )
@@ -147,13 +145,15 @@ def _room_count(maps: tuple[TrainingMap, ...]) -> list[Any]:
 
 
 def _planes(model: BorderModel) -> Any:
-    """The view: a plane of two features with the support vectors, and a menu of planes."""
-    vectors = _support_vectors(model)
-    planes = [_plane(model, vectors, *pair) for pair in combinations(range(len(model.names)), 2)]
+    """The view: a plane of two features with the model's points, and a menu of planes."""
+    vectors = model.mean + model.spread * model.points
+    is_border = model.decision_function(vectors) > 0.0
+    usual = vectors[is_border if is_border.any() else slice(None)].mean(axis=0)
+    pairs = combinations(range(len(model.names)), 2)
+    planes = [_plane(model, vectors, usual, *pair) for pair in pairs]
     if not planes:
         return text("<p class='quiet'>A single feature spans no plane.</p>")
     titles = [FEATURE_TITLES.get(name, name) for name in model.names]
-    is_border = np.arange(len(vectors)) >= model.pipeline[1].n_support_[0]
     picture, boundary = ColumnDataSource(planes[0]["picture"]), ColumnDataSource()
     boundary.data = planes[0]["boundary"]
     shown = ColumnDataSource(
@@ -162,9 +162,9 @@ def _planes(model: BorderModel) -> Any:
             "y": vectors[:, 1],
             "colour": np.where(is_border, BORDER_EDGE_GREEN, NO_BORDER).tolist(),
             "size": np.where(is_border, 7, 6 if len(vectors) < MANY else 4),
-            "kind": np.where(is_border, "border edges", "other edges").tolist(),
+            "kind": np.where(is_border, "a border edge", "another edge").tolist(),
         },
-        name="support vectors",
+        name="points",
     )
     plot = _plane_figure(picture, boundary, shown, planes, (titles[0], titles[1]))
     options = [
@@ -183,28 +183,21 @@ def _planes(model: BorderModel) -> Any:
         "plot": plot,
     }
     select.js_on_change("value", CustomJS(args=arguments, code=CHOOSE))
-    hint = "Points: the training edges that hold the boundary (support vectors). "
+    hint = "Points: the training edges that hold the boundary (of the support vectors). "
     if len(model.names) > 2:
         hint += "All other features are as border edges have them, in the mean."
     about = text(f"<p class='quiet'>{hint}</p>", width=520)
     return column(row(select, about, height=44), plot, sizing_mode="stretch_both")
 
 
-def _support_vectors(model: BorderModel) -> Floats:
-    """In the features' units, shape (k, f); those of no border first."""
-    scaler, machine = model.pipeline[0], model.pipeline[1]
-    return np.asarray(scaler.inverse_transform(machine.support_vectors_))
-
-
-def _plane(model: BorderModel, vectors: Floats, x: int, y: int) -> dict[str, Any]:
+def _plane(model: BorderModel, vectors: Floats, usual: Floats, x: int, y: int) -> dict[str, Any]:
     """Decision values in the plane of two features, and where they are 0."""
     spans = [_span(vectors[:, index]) for index in (x, y)]
     (x0, x1), (y0, y1) = spans
     a, b = np.meshgrid(np.linspace(x0, x1, SIDE), np.linspace(y0, y1, SIDE))
-    usual = vectors[model.pipeline[1].n_support_[0] :].mean(axis=0)
     edges = np.tile(usual, (SIDE * SIDE, 1))
     edges[:, x], edges[:, y] = a.ravel(), b.ravel()
-    value = model.pipeline.decision_function(edges).reshape(SIDE, SIDE)
+    value = model.decision_function(edges).reshape(SIDE, SIDE)
     line = contour_data(a, b, value, levels=[0.0], want_fill=False).line_data
     assert line is not None
     return {

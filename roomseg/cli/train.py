@@ -68,7 +68,7 @@ def command(
     """
     import numpy as np
 
-    from roomseg.classifier import save_model
+    from roomseg.classifier import reduced, save_model
     from roomseg.evaluation import train_on
 
     _refuse_both(ctx, space)
@@ -79,7 +79,8 @@ def command(
     figures: dict[str, Any] = {"maps": [str(path) for path in maps]}
     if space is not None:
         chosen, figures["search"] = _searched(labelled, space, jobs, output)
-    model = train_on(labelled, chosen)
+    values = np.concatenate([item.features.values for item in labelled])
+    model = reduced(train_on(labelled, chosen), values)
     save_model(model, output)
     is_border = np.concatenate([item.is_border for item in labelled])
     predicted = np.concatenate([model.predict(item.features) for item in labelled])
