@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from roomseg.labelled_map import LabelledMap
 
 # Names of `roomseg.experiments.grids`, which is only imported when it is needed.
-SPACES = ("coarse", "basic", "full", "fine", "extrafine")
+SPACES = ("coarse", "basic", "full", "fine", "extrafine", "no-camera", "no-ceiling")
 CHOSEN = {"c": "--C", "gamma": "--gamma", "class_weight": "--w", "rho": "--rho"}
 
 EXAMPLE = """\b
@@ -44,7 +44,7 @@ Example:
     "--search",
     "space",
     type=click.Choice(SPACES),
-    help="Choose C, γ, w and ρ in this space (Table 4), leaving each environment out once.",
+    help="Choose C, γ, w and ρ in this space (Tables 4 and 9), leaving each environment out once.",
 )
 @jobs_option
 @json_option
@@ -118,7 +118,7 @@ def _searched(
     from roomseg.experiments import Cache, grids
     from roomseg.parameter_search import search_parameters
 
-    combinations = getattr(grids, space.upper()).combinations()
+    combinations = getattr(grids, space.replace("-", "_").upper()).combinations()
     with progress_bar("parts") as bar:
         found = search_parameters(
             labelled,
