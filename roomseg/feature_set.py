@@ -34,6 +34,7 @@ __all__ = [
     "add_to_feature_set",
     "compute_features",
     "content_key",
+    "is_feature_set",
     "keys_in",
     "read_feature_set",
 ]
@@ -104,6 +105,17 @@ def compute_features(
     return MapFeatures(
         LabelledMap.of(map_file.topomap, features), passageway, content_key(map_file)
     )
+
+
+def is_feature_set(path: str | Path) -> bool:
+    """Whether a file is a feature set; False for what is none, or damaged."""
+    if not Path(path).is_file() or not begins_as_hdf5(Path(path)):
+        return False
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get("format") == FORMAT)
+    except OSError:
+        return False
 
 
 def keys_in(path: str | Path) -> frozenset[str]:

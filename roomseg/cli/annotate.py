@@ -32,7 +32,8 @@ Example:
     "--model",
     "model_file",
     type=click.Path(path_type=Path),
-    help="A model by `roomseg train`, which proposes borders.",
+    help="A model by `roomseg train`, which proposes borders. If absent, the one that comes "
+    "with roomseg, for maps with images of about 464 pixels and no borders yet.",
 )
 @click.option(
     "--rooms",
@@ -67,7 +68,8 @@ def command(
     with ExitStack() as stack:
         annotations = []
         for path in maps:
-            lines = None if model is None else _suggestions(path, model, rooms)
+            chosen = model or _shipped(path, afresh)
+            lines = None if chosen is None else _suggestions(path, chosen, rooms)
             annotations.append(stack.enter_context(Annotation(path, lines, afresh=afresh)))
         server = AnnotationServer(annotations, port)
         click.echo(f"{server.url} shows {counted(len(maps), 'map')}; Ctrl-C ends it")
@@ -78,6 +80,16 @@ def command(
         for annotation in annotations:
             if annotation.unsaved:
                 click.echo(f"{annotation.path}: not all is saved; call it again to go on")
+
+
+def _shipped(path: Path, afresh: bool) -> BorderModel | None:
+    """The model that comes with roomseg, where it has something to propose."""
+    from dataset import MapFile
+    from roomseg.shipped import fits_shipped_model, shipped_model
+
+    with MapFile(path) as file:
+        drawn = file.topomap.ground_truth is not None and not afresh
+        return shipped_model() if fits_shipped_model(file) and not drawn else None
 
 
 def _suggestions(path: Path, model: BorderModel, rooms: int | None) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from roomseg.cli.features import (
     chosen_parameters,
     classifier_options,
     labelled_maps,
+    origins,
     subset_option,
 )
 from roomseg.cli.options import json_option, maps_argument, seed_option
@@ -62,11 +64,11 @@ def command(
         show = follow(bar, "leave one out")
         show(0, len(labelled))
         sheet = score_sheet(labelled, chosen, seed=seed, progress=show)
-    write_json(json_file, _figures(maps, subset, seed, sheet))
+    write_json(json_file, _figures(origins(maps), subset, seed, sheet))
     _print(sheet, seed)
 
 
-def _figures(maps: tuple[Path, ...], subset: str, seed: int, sheet: ScoreSheet) -> dict[str, Any]:
+def _figures(maps: Sequence[Path], subset: str, seed: int, sheet: ScoreSheet) -> dict[str, Any]:
     evaluation = sheet.evaluation
     results = [
         {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -27,6 +28,7 @@ __all__ = [
     "command",
     "compute",
     "labelled_maps",
+    "origins",
     "subset_option",
 ]
 
@@ -82,6 +84,7 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
     Parameters
     ----------
     paths : sequence of Path
+        Maps, and feature sets, which have the features of several.
     subset : str
         Name of the feature set.
 
@@ -91,20 +94,39 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         Before anything is computed: if a map is unreadable, lacks images that
         the features need, or lacks its ground truth.
     """
-    from dataset import MapFile
+    from roomseg.feature_set import is_feature_set, read_feature_set
     from roomseg.features import SUBSETS
-    from roomseg.labelled_map import LabelledMap
 
+    names, sets = SUBSETS[subset], {path for path in paths if is_feature_set(path)}
     for path in paths:
-        check_ready(path, SUBSETS[subset])
-        check_labelled(path)
-    maps = []
+        if path not in sets:
+            check_ready(path, names)
+            check_labelled(path)
+    maps: list[LabelledMap] = []
     with progress_bar("images") as bar:
         for path in paths:
-            with MapFile(path) as file:
-                features = compute(file, SUBSETS[subset], bar)
-                maps.append(LabelledMap.of(file.topomap, features))
+            if path in sets:
+                found = [item.labelled for item in read_feature_set(path)]
+                maps += [replace(item, features=item.features.subset(names)) for item in found]
+            else:
+                maps.append(_labelled_map(path, names, bar))
     return maps
+
+
+def _labelled_map(path: Path, names: Sequence[str], bar: Progress) -> LabelledMap:
+    from dataset import MapFile
+    from roomseg.labelled_map import LabelledMap
+
+    with MapFile(path) as file:
+        return LabelledMap.of(file.topomap, compute(file, names, bar))
+
+
+def origins(paths: Sequence[Path]) -> list[Path]:
+    """The file of each of `labelled_maps`."""
+    from roomseg.feature_set import is_feature_set, keys_in
+
+    counts = [len(keys_in(path)) if is_feature_set(path) else 1 for path in paths]
+    return [path for path, count in zip(paths, counts, strict=True) for _ in range(count)]
 
 
 def compute(file: MapFile, names: Sequence[str], bar: Progress) -> EdgeFeatures:
@@ -149,8 +171,14 @@ def check_labelled(path: Path) -> None:
 def check_environments(maps: Sequence[Path]) -> None:
     """Refuse maps of one place, before minutes are spent on their images."""
     from dataset import RoomsegError, read_map
+    from roomseg.feature_set import is_feature_set, read_feature_set
 
-    names = {read_map(path).environment for path in maps}
+    names: set[str] = set()
+    for path in maps:
+        if is_feature_set(path):
+            names |= {item.labelled.environment for item in read_feature_set(path)}
+        else:
+            names.add(read_map(path).environment)
     if len(names) < 2:
         raise RoomsegError(
             f"maps: all of the environment {names.pop()!r}, expected at least 2 environments "

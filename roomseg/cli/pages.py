@@ -71,9 +71,11 @@ def _compared(
     source: Path, file: MapFile, other: Path, rooms: int | None
 ) -> Iterator[Segmentation]:
     """What a model finds, or what another copy of the map has."""
+    from roomseg.classifier import load_model
+
     if kind_of(other) == "model":
-        count = room_count(source, file.topomap, rooms)
-        label, crossing = found_rooms(source, file.topomap, other, count, seed=0)
+        model, count = load_model(other), room_count(file.topomap, rooms)
+        label, crossing = found_rooms(source, file.topomap, model, count, seed=0)
         yield Segmentation(f"rooms by {other.name}", label, crossing)
         return
     if kind_of(other) != "map":

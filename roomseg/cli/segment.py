@@ -21,9 +21,15 @@ if TYPE_CHECKING:
 
 __all__ = ["command", "found_rooms", "room_count"]
 
+UNIFORM = "uniform"
+UNIFORM_WEIGHTS = "uniform weights"
+"""What a map calls them."""
+
+
 EXAMPLE = """\b
 Example:
-  roomseg segment maps/home-7-run1.h5 --model model.skops
+  roomseg segment maps/home-7-run1.h5
+  roomseg segment maps/home-7-run1.h5 --model model.skops --rooms 5
   roomseg view maps/home-7-run1.h5 --show rooms -o rooms.png
 """
 
@@ -34,10 +40,15 @@ Example:
     "--model",
     "model_file",
     type=click.Path(path_type=Path),
-    help="A model by `roomseg train`; equal weights for all edges if absent.",
+    metavar="FILE",
+    help="A model by `roomseg train`, or `uniform`: all edges weigh alike. If absent, the model "
+    "that comes with roomseg for a map with images of about 464 pixels, else uniform weights.",
 )
 @click.option(
-    "--rooms", type=click.IntRange(1), help="How many rooms; the ground truth's if absent."
+    "--rooms",
+    type=click.IntRange(1),
+    help="How many rooms; if absent, those of the ground truth, or as many as homes of that "
+    "size have.",
 )
 @seed_option
 @json_option
@@ -53,9 +64,9 @@ def command(
     from dataset import read_map, write_rooms
 
     topomap = read_map(map_file)
-    count = room_count(map_file, topomap, rooms)
-    name = "uniform weights" if model_file is None else model_file.name
-    label, _ = found_rooms(map_file, topomap, model_file, count, seed)
+    name, model = _chosen(map_file, model_file)
+    count = room_count(topomap, rooms)
+    label, _ = found_rooms(map_file, topomap, model, count, seed)
     write_rooms(map_file, label, model=name, rooms=count)
     figures = _figures(map_file, name, topomap, label)
     write_json(json_file, figures)
@@ -64,19 +75,38 @@ def command(
     click.echo(line if impurity is None else f"{line}, impurity {100 * impurity:.2f} %")
 
 
-def room_count(path: Path, topomap: TopoMap, rooms: int | None) -> int:
-    """As many as were asked for, or as the ground truth has (RoomsegError if it has none)."""
-    from dataset import RoomsegError
+def room_count(topomap: TopoMap, rooms: int | None) -> int:
+    """As many as were asked for, as the ground truth has, or as is usual for so many nodes."""
+    from roomseg.shipped import usual_room_count
 
     if rooms is not None:
         return rooms
-    if topomap.ground_truth is None:
-        raise RoomsegError(f"{path}: has no ground truth to take the room count from; give --rooms")
-    return topomap.ground_truth.room_count
+    if topomap.ground_truth is not None:
+        return topomap.ground_truth.room_count
+    count = usual_room_count(len(topomap.nodes))
+    click.echo(
+        f"{counted(count, 'room')} assumed for so many nodes; --rooms knows better", err=True
+    )
+    return count
+
+
+def _chosen(path: Path, model_file: Path | None) -> tuple[str, BorderModel | None]:
+    """The name of a model and the model, which is None for uniform weights."""
+    from dataset import MapFile
+    from roomseg.classifier import load_model
+    from roomseg.shipped import SHIPPED_MODEL, fits_shipped_model, shipped_model
+
+    if model_file is None:
+        with MapFile(path) as file:
+            if fits_shipped_model(file):
+                return SHIPPED_MODEL.name, shipped_model()
+    if model_file is None or str(model_file) == UNIFORM:
+        return UNIFORM_WEIGHTS, None
+    return model_file.name, load_model(model_file)
 
 
 def found_rooms(
-    path: Path, topomap: TopoMap, model_file: Path | None, count: int, seed: int
+    path: Path, topomap: TopoMap, model: BorderModel | None, count: int, seed: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Find rooms with a model, or with equal weights for all edges (§2.4).
 
@@ -88,15 +118,13 @@ def found_rooms(
     """
     import numpy as np
 
-    from roomseg.classifier import load_model
     from roomseg.preprocessing import preprocess
     from roomseg.segmentation import segment
 
     rng = np.random.default_rng(seed)
-    if model_file is None:
+    if model is None:
         graph = preprocess(topomap)
         return segment(graph, None, count, rng, 1.0), graph.edges[:0]
-    model = load_model(model_file)
     graph, is_border = _borders(path, model)
     return segment(graph, is_border, count, rng, model.parameters.rho), graph.edges[is_border]
 

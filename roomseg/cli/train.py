@@ -14,10 +14,11 @@ from roomseg.cli.features import (
     chosen_parameters,
     classifier_options,
     labelled_maps,
+    origins,
     subset_option,
 )
 from roomseg.cli.options import jobs_option, json_option, maps_argument, output_option
-from roomseg.cli.output import follow, progress_bar, write_json
+from roomseg.cli.output import counted, follow, progress_bar, write_json
 
 if TYPE_CHECKING:
     from roomseg.classifier import ClassifierParameters
@@ -31,7 +32,7 @@ EXAMPLE = """\b
 Example:
   roomseg train maps/sim*.h5 -o model.skops
   roomseg train maps/*.h5 --features no-camera --C 1 --gamma 0.25 -o plain.skops
-  roomseg train maps/*.h5 --search full --jobs 2 -o best.skops
+  roomseg train features.h5 --search full --jobs 2 -o best.skops
 """
 
 
@@ -63,6 +64,8 @@ def command(
 ) -> None:
     """Train the room-border classifier on the edges of all maps together (§2.3).
 
+    Maps with their images, or a feature set by `roomseg features`.
+
     The parameters default to the best of the paper's search (Table 6). A search for better ones
     keeps what is done in OUTPUT.search: call a stopped command again.
     """
@@ -76,7 +79,7 @@ def command(
     if space is not None:
         check_environments(maps)
     labelled = labelled_maps(maps, subset)
-    figures: dict[str, Any] = {"maps": [str(path) for path in maps]}
+    figures: dict[str, Any] = {"maps": [str(path) for path in origins(maps)]}
     if space is not None:
         chosen, figures["search"] = _searched(labelled, space, jobs, output)
     values = np.concatenate([item.features.values for item in labelled])
@@ -95,7 +98,7 @@ def command(
     }
     write_json(json_file, figures)
     click.echo(
-        f"{output}: trained on {edges} edges of {len(maps)} maps, "
+        f"{output}: trained on {edges} edges of {counted(len(labelled), 'map')}, "
         f"finds {found} of their {borders} border edges, "
         f"and {figures['false_border_edges']} that are none"
     )

@@ -20,9 +20,10 @@ import pytest
 from cleaned_flat import cleaned_flat
 from click.testing import CliRunner
 
-from dataset import FisheyeCamera, write_map
+from dataset import FisheyeCamera, MapFile, write_map
 from roomseg.cli import main as command_line
 from roomseg.cli.main import COMMANDS, cli, main
+from roomseg.shipped import usual_room_count
 from scenes import apartment_to_json, load_apartment
 
 NAMES = list(COMMANDS)
@@ -242,9 +243,13 @@ def test_maps_without_ground_truth(folder, capsys):
         del file["ground_truth"]
     line = refused(capsys, "train", "flat.h5", "--features", "no-camera")
     assert line.startswith("flat.h5: has no /ground_truth/room")
-    assert refused(capsys, "segment", "flat.h5") == (
-        "flat.h5: has no ground truth to take the room count from; give --rooms"
-    )
+    assert main(["segment", "flat.h5"]) == 0
+    said = capsys.readouterr()
+    with MapFile("flat.h5") as file:
+        assert file.rooms is not None and file.rooms.model == "uniform weights"
+        count = usual_room_count(len(file.topomap.nodes))
+        assert file.rooms.count == count
+    assert said.err.startswith(f"{count} room") and "--rooms knows better" in said.err
 
 
 def test_one_environment_cannot_be_left_out(folder, capsys):

@@ -20,6 +20,8 @@ from roomseg.cli.simulate import reference_runs
 from roomseg.evaluation import train_on
 from roomseg.features import SUBSETS, EdgeFeatures, edge_features
 from roomseg.labelled_map import LabelledMap
+from roomseg.segmentation import segment
+from roomseg.shipped import shipped_model
 
 CAMERA = FisheyeCamera().resized(116)
 
@@ -114,14 +116,46 @@ def features_without_images(name: str) -> EdgeFeatures:
 
 
 def test_segment_gives_the_same_bytes_again(folder):
-    succeed("segment", "north.h5", "--rooms", "4", "--seed", "5")
+    arguments = ["north.h5", "--model", "uniform", "--rooms", "4", "--seed", "5"]
+    succeed("segment", *arguments)
     first = Path("north.h5").read_bytes()
-    succeed("segment", "north.h5", "--rooms", "4", "--seed", "5")
+    succeed("segment", *arguments)
     assert Path("north.h5").read_bytes() == first
     with MapFile("north.h5") as file:
         assert file.rooms is not None
         assert file.rooms.model == "uniform weights"
         assert sorted(set(file.rooms.label.tolist())) == [0, 1, 2, 3]
+
+
+def test_without_a_model_that_of_roomseg_is_used(folder, monkeypatch):
+    succeed("segment", "north.h5")
+    with MapFile("north.h5") as file:
+        assert file.rooms is not None
+        assert file.rooms.model == "uniform weights"  # its discs are too small
+    monkeypatch.setattr("roomseg.shipped.DISC_DIAMETER", 116.0)
+    succeed("segment", "north.h5")
+    with MapFile("north.h5") as file:
+        assert file.rooms is not None
+        assert file.rooms.model == "reference.skops"
+        features, model = edge_features(file), shipped_model()
+        rng, rho = np.random.default_rng(0), model.parameters.rho
+        expected = segment(features.graph, model.predict(features), 3, rng, rho)
+        np.testing.assert_array_equal(file.rooms.label, expected)
+
+
+def test_a_feature_set_trains_and_is_judged_as_its_maps(folder):
+    succeed("features", "north.h5", "south.h5", "-o", "both.h5")
+    maps = ["north.h5", "south.h5"]
+    for name, sources in (("maps", maps), ("set", ["both.h5"])):
+        succeed("train", *sources, "-o", f"{name}.skops", "--json", f"{name}-train.json")
+        succeed("evaluate", *sources, "--json", f"{name}.json")
+    one, other = (json.loads(Path(f"{name}.json").read_text()) for name in ("maps", "set"))
+    assert [item["map"] for item in other["maps"]] == ["both.h5", "both.h5"]
+    assert [item["run"] for item in one["maps"]] == [item["run"] for item in other["maps"]]
+    assert one["mean_impurity"] == other["mean_impurity"]
+    one, other = (load_model(f"{name}.skops") for name in ("maps", "set"))
+    assert one.trained_on == other.trained_on
+    np.testing.assert_allclose(one.mean, other.mean, rtol=1e-6)
 
 
 def test_evaluate_reports_every_map_beside_uniform_weights(folder, capsys):

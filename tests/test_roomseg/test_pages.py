@@ -171,7 +171,6 @@ def test_the_page_loads_nothing(folder: Path, files: Path, tmp_path: Path, name:
         (["flat.h5", "--compare", "moved.h5", "-o", "x.html"], "expected a copy of flat.h5"),
         (["flat.h5", "--compare", "none.h5", "-o", "x.html"], "none.h5"),
         (["flat.h5", "--rooms", "3", "-o", "x.html"], "for a model of --compare"),
-        (["real.h5", "--compare", "model.skops", "-o", "x.html"], "give --rooms"),
     ],
 )
 def test_what_no_page_can_show_is_one_line(
