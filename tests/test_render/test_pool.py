@@ -85,6 +85,14 @@ def cluster() -> Iterator[tuple[str, subprocess.Popen[str]]]:
         scheduler.stderr.close()
 
 
+@pytest.fixture
+def usual_ctrl_c() -> Iterator[None]:
+    """As in a terminal; a background job of a shell is started with SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """A map rendered in one go by one process."""
@@ -169,7 +177,7 @@ def test_stopped_it_keeps_what_was_rendered_and_leaves_nobody(whole: bytes, tmp_
     assert path.read_bytes() == whole
 
 
-def test_ctrl_c_in_a_destructor_is_not_lost(tmp_path: Path) -> None:
+def test_ctrl_c_in_a_destructor_is_not_lost(tmp_path: Path, usual_ctrl_c: None) -> None:
     path = make_map(tmp_path / "map.h5")
 
     class Interrupting:
