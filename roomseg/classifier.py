@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 import skops.io
 from numpy.typing import NDArray
+from sklearn.preprocessing import StandardScaler
 
 from dataset.atomic import replacing
 from dataset.errors import FormatError
 from roomseg.features import EdgeFeatures
 from roomseg.kernel import kernel_sum
-from roomseg.model_bytes import make_repeatable
+from roomseg.model_bytes import check_plain, make_repeatable
 from roomseg.reduced_set import reduced_set
 from roomseg.svm import SvmPath
 
@@ -117,11 +118,13 @@ class BorderModel:
     trained_on: tuple[TrainingMap, ...] = ()
 
     def __post_init__(self) -> None:
-        f, k = len(self.names), len(self.coefficients)
+        f, k = len(self.names), len(np.atleast_1d(self.coefficients))
+        if not f or len({name for name in self.names if isinstance(name, str)}) != f or not k:
+            raise FormatError(f"model: {f} features {self.names!r}, expected names, each once")
         for name, shape in zip(ARRAYS, ((f,), (f,), (k, f), (k,)), strict=True):
             array = getattr(self, name)
             if array.shape != shape or array.dtype != np.float64 or not np.isfinite(array).all():
-                raise FormatError(f"{name}: expected numbers of shape {shape}")
+                raise FormatError(f"{name}: expected finite numbers (f8) of shape {shape}")
         if not (self.spread > 0).all():
             raise FormatError("spread: expected > 0")
         if not np.isfinite(self.bias):
@@ -164,8 +167,10 @@ def train(
     """
     parameters = parameters or ClassifierParameters()
     check_both_kinds(is_border)
-    mean, spread = features.mean(axis=0), features.std(axis=0)
-    spread = np.where(spread > 0.0, spread, 1.0)
+    features = np.asarray(features, np.float64)
+    # A constant feature is told from rounding.
+    scaler = StandardScaler().fit(features)
+    mean, spread = scaler.mean_, scaler.scale_
     rows = (features - mean) / spread
     path = SvmPath(rows, is_border, rows[:0], parameters.gamma)
     solution = path.fit(parameters.C, parameters.class_weight)
@@ -230,32 +235,34 @@ def load_model(path: str | Path) -> BorderModel:
         If the file is missing, is no model, or names any type.
     """
     content = _trusted_content(Path(path))
-    if not isinstance(content, dict) or content.get("format") != MODEL_FORMAT:
+    kind = content.get("format") if isinstance(content, dict) else None
+    if not isinstance(kind, str) or kind != MODEL_FORMAT:
         raise FormatError(f"{path}: not a model file, expected one written by roomseg train")
-    if content.get("version") != MODEL_VERSION:
-        raise FormatError(
-            f"{path}: version {content.get('version')!r}, expected {MODEL_VERSION}; train again"
-        )
+    found = content.get("version")
+    if type(found) is not int or found != MODEL_VERSION:
+        raise FormatError(f"{path}: version {found!r}, expected {MODEL_VERSION}; train again")
     try:
         return BorderModel(
             names=tuple(content["features"]),
-            parameters=ClassifierParameters(**content["parameters"]),
+            parameters=_parameters(content["parameters"]),
             bias=float(content["bias"]),
             trained_on=tuple(TrainingMap(**item) for item in content.get("trained_on", ())),
             **{name: np.asarray(content[name]) for name in ARRAYS},
         )
     except FormatError as error:
         raise FormatError(f"{path}: {error}") from error
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise FormatError(f"{path}: incomplete model ({error}), train again") from error
 
 
+def _parameters(content: dict[str, Any]) -> ClassifierParameters:
+    return ClassifierParameters(**{name: float(value) for name, value in content.items()})
+
+
 def _trusted_content(path: Path) -> Any:
-    """Load a skops file that names no types."""
+    """Load a skops file of plain content."""
     try:
-        unknown = skops.io.get_untrusted_types(file=path)
-        if unknown:
-            raise FormatError(f"{path}: names the type {min(unknown)}, expected numbers only")
+        check_plain(path)
         return skops.io.load(path, trusted=[])
     except FormatError:
         raise

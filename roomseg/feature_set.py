@@ -113,8 +113,9 @@ def is_feature_set(path: str | Path) -> bool:
         return False
     try:
         with h5py.File(path, "r") as file:
-            return bool(file.attrs.get("format") == FORMAT)
-    except OSError:
+            kind = file.attrs.get("format")
+            return isinstance(kind, str) and kind == FORMAT
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError):
         return False
 
 

@@ -1,4 +1,4 @@
-"""The same bytes for the same model.
+"""The same bytes for the same model, and what a model file may name.
 
 A skops file is a ZIP archive of arrays and a JSON schema, in which objects are
 numbered by their address in memory; addresses and the archive's dates differ
@@ -8,13 +8,21 @@ every member alike, changes nothing of what is loaded.
 
 from __future__ import annotations
 
+import json
 import re
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-__all__ = ["make_repeatable"]
+from dataset.errors import FormatError
+
+__all__ = ["check_plain", "make_repeatable"]
 
 SCHEMA = "schema.json"
+PLAIN = {"builtins.dict", "builtins.list", "builtins.str", "numpy.ndarray"}
+LOADERS = {"DictNode", "ListNode", "JsonNode", "NdArrayNode", "TypeNode"}
+MOST_BYTES = 256_000_000
 ADDRESS = re.compile(r'(?<="__id__": )\d+|(?<=")\d+(?=\.npy")')
 """An object's number, or the name of the file that holds its array."""
 
@@ -36,3 +44,36 @@ def make_repeatable(path: str | Path) -> None:
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in [*sorted(named.items()), (SCHEMA, schema.encode())]:
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
+
+
+def check_plain(path: str | Path) -> None:
+    """Refuse a skops file that holds more than numbers, texts, lists and arrays.
+
+    What skops itself trusts, scikit-learn's classes and NumPy's functions among it, is
+    refused, too: a model needs none of it.
+
+    Raises
+    ------
+    FormatError
+        If the file names anything else, or would fill the memory.
+    """
+    with zipfile.ZipFile(path) as archive:
+        size = sum(member.file_size for member in archive.infolist())
+        if size > MOST_BYTES:
+            raise FormatError(f"{path}: {size} bytes unpacked, expected at most {MOST_BYTES}")
+        schema = json.loads(archive.read(SCHEMA))
+    for node in _nodes(schema):
+        name = f"{node.get('__module__')}.{node.get('__class__')}"
+        if name not in PLAIN or node.get("__loader__") not in LOADERS:
+            raise FormatError(f"{path}: names {name}, expected numbers only; train again")
+
+
+def _nodes(value: Any) -> Iterator[dict[str, Any]]:
+    """Everything in a schema that makes an object."""
+    if isinstance(value, dict):
+        if any(key in value for key in ("__class__", "__module__", "__loader__")):
+            yield value
+        value = list(value.values())
+    if isinstance(value, list):
+        for item in value:
+            yield from _nodes(item)

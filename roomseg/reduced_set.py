@@ -22,6 +22,8 @@ __all__ = ["reduced_set"]
 Floats = NDArray[np.float64]
 
 MOST_POINTS = 1500
+MOST_BYTES = 1_000_000_000
+"""Of the basis: a million edges get fewer points, or keep their support vectors."""
 LEAST_POWER = 1e-6
 """Squared distance of a point from what the chosen ones span; below, it adds rounding only."""
 
@@ -49,11 +51,11 @@ def reduced_set(
         Both as they were if half as many points, or `MOST_POINTS`, do not suffice.
     """
     residual, power = _sum(points, coefficients, rows, gamma), np.ones(len(rows))
-    most = min(MOST_POINTS, len(points) // 2, len(rows))
+    most = min(MOST_POINTS, len(points) // 2, len(rows), MOST_BYTES // (8 * max(1, len(rows))))
     # Only what is filled takes memory.
     basis, weights, chosen = np.empty((most, len(rows))), np.empty(most), np.empty(most, np.intp)
     count = 0
-    while np.abs(residual).max() > tolerance:
+    while np.abs(residual).max(initial=0.0) > tolerance:
         new = int(np.argmax(np.where(power > LEAST_POWER, np.abs(residual), -1.0)))
         if count == most or power[new] <= LEAST_POWER:
             return points, coefficients

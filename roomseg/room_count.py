@@ -19,7 +19,13 @@ from sklearn.linear_model import LinearRegression, LogisticRegression
 
 from dataset.errors import FormatError
 
-__all__ = ["EigenvalueGap", "NodeCountRegression", "RoomCountQuality", "room_count_quality"]
+__all__ = [
+    "EigenvalueGap",
+    "NodeCountRegression",
+    "RoomCountQuality",
+    "room_count_quality",
+    "usual_room_count",
+]
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +56,15 @@ class NodeCountRegression:
     def predict(self, node_count: int) -> int:
         """Room count of a map with this many nodes."""
         return max(1, round(self.a * float(np.sqrt(node_count)) + self.b * node_count + self.c))
+
+
+def usual_room_count(node_count: int) -> int:
+    """Rooms of a home of that size, where there is nothing to fit Eq. 23 to.
+
+    Only its first term, a sixth of the root of the nodes: within two of all places of Table 8, and
+    sensible for smaller and larger maps, too, for which a fit with three terms is not.
+    """
+    return max(1, round(float(np.sqrt(node_count)) / 6.0))
 
 
 @dataclass(frozen=True)

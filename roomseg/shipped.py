@@ -11,9 +11,8 @@ from pathlib import Path
 
 from dataset.storage import MapFile
 from roomseg.classifier import BorderModel, load_model
-from roomseg.room_count import NodeCountRegression
 
-__all__ = ["SHIPPED_MODEL", "fits_shipped_model", "shipped_model", "usual_room_count"]
+__all__ = ["SHIPPED_MODEL", "fits_shipped_model", "shipped_model"]
 
 SHIPPED_MODEL = Path(__file__).parent / "models" / "reference.skops"
 
@@ -34,13 +33,3 @@ def fits_shipped_model(map_file: MapFile) -> bool:
 def shipped_model() -> BorderModel:
     """Load it; five features, so that a map needs its images."""
     return load_model(SHIPPED_MODEL)
-
-
-def usual_room_count(node_count: int) -> int:
-    """How many rooms a map of that size has, as those of the shipped model (Eq. 23).
-
-    Nodes lie as densely as lanes: of another robot than the prototype it is less sure.
-    """
-    maps = shipped_model().trained_on
-    fit = NodeCountRegression.fit([item.nodes for item in maps], [item.rooms for item in maps])
-    return min(node_count, fit.predict(node_count))

@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from roomseg.annotation.cut import CuttableMap
+from roomseg.room_count import usual_room_count
 from roomseg.segmentation import affinity_of, edge_weights
 from roomseg.spectral import adjacency, spectral_clustering
 
@@ -93,7 +94,9 @@ def suggested_lines(
         m; those that cross most edges for which the classifier speaks first.
     """
     affinity = affinity_of(canvas.graph, edge_weights(canvas.graph, is_border, rho))
-    count = rooms or usual_count(canvas.graph.node_count)
+    nodes = canvas.graph.node_count
+    # One more than usual: a line too many is soon struck out.
+    count = rooms or min(nodes, usual_room_count(nodes) + 1)
     label = spectral_clustering(affinity, count, np.random.default_rng(seed))
     edges = canvas.graph.edges
     segments = canvas.position[edges]
@@ -104,15 +107,6 @@ def suggested_lines(
         found.append((-int(is_border[crossed].sum()), line))
     found.sort(key=lambda suggestion: suggestion[0])
     return np.round(np.array([line for _, line in found]).reshape(-1, 2, 2), 4)
-
-
-def usual_count(node_count: int) -> int:
-    """Rooms of a home of that size, generously: a line too many is soon struck out.
-
-    Room counts grow as the root of the nodes, as Eq. 23 has it mainly; a sixth of it fits
-    the reference places.
-    """
-    return min(node_count, round(float(np.sqrt(node_count)) / 6.0) + 1)
 
 
 def dividing_line(canvas: CuttableMap, nodes: Integers, seed: int) -> Floats | None:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from roomseg.classifier import BorderModel
 
+NONE = "none"
+
 EXAMPLE = """\b
 Example:
   roomseg annotate maps/home-7-run1.h5
@@ -32,8 +34,9 @@ Example:
     "--model",
     "model_file",
     type=click.Path(path_type=Path),
-    help="A model by `roomseg train`, which proposes borders. If absent, the one that comes "
-    "with roomseg, for maps with images of about 464 pixels and no borders yet.",
+    metavar="FILE",
+    help="A model by `roomseg train`, which proposes borders, or `none`. If absent, the one that "
+    "comes with roomseg, for maps with images of about 464 pixels and no borders yet.",
 )
 @click.option(
     "--rooms",
@@ -64,11 +67,12 @@ def command(
     from roomseg.annotation.session import Annotation
     from roomseg.classifier import load_model
 
-    model = None if model_file is None else load_model(model_file)
+    unasked = model_file is None
+    model = None if model_file is None or str(model_file) == NONE else load_model(model_file)
     with ExitStack() as stack:
         annotations = []
         for path in maps:
-            chosen = model or _shipped(path, afresh)
+            chosen = _shipped(path, afresh) if unasked else model
             lines = None if chosen is None else _suggestions(path, chosen, rooms)
             annotations.append(stack.enter_context(Annotation(path, lines, afresh=afresh)))
         server = AnnotationServer(annotations, port)

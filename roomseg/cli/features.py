@@ -94,10 +94,11 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         Before anything is computed: if a map is unreadable, lacks images that
         the features need, or lacks its ground truth.
     """
-    from roomseg.feature_set import is_feature_set, read_feature_set
+    from roomseg.feature_set import is_feature_set
     from roomseg.features import SUBSETS
 
-    names, sets = SUBSETS[subset], {path for path in paths if is_feature_set(path)}
+    names = SUBSETS[subset]
+    sets = {path: _maps_of_set(path, names) for path in paths if is_feature_set(path)}
     for path in paths:
         if path not in sets:
             check_ready(path, names)
@@ -105,12 +106,19 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
     maps: list[LabelledMap] = []
     with progress_bar("images") as bar:
         for path in paths:
-            if path in sets:
-                found = [item.labelled for item in read_feature_set(path)]
-                maps += [replace(item, features=item.features.subset(names)) for item in found]
-            else:
-                maps.append(_labelled_map(path, names, bar))
+            maps += sets[path] if path in sets else [_labelled_map(path, names, bar)]
     return maps
+
+
+def _maps_of_set(path: Path, names: Sequence[str]) -> list[LabelledMap]:
+    """All maps of a feature set (RoomsegError if it has none)."""
+    from dataset import RoomsegError
+    from roomseg.feature_set import read_feature_set
+
+    found = [item.labelled for item in read_feature_set(path)]
+    if not found:
+        raise RoomsegError(f"{path}: has no maps, expected at least 1")
+    return [replace(item, features=item.features.subset(names)) for item in found]
 
 
 def _labelled_map(path: Path, names: Sequence[str], bar: Progress) -> LabelledMap:
@@ -171,12 +179,12 @@ def check_labelled(path: Path) -> None:
 def check_environments(maps: Sequence[Path]) -> None:
     """Refuse maps of one place, before minutes are spent on their images."""
     from dataset import RoomsegError, read_map
-    from roomseg.feature_set import is_feature_set, read_feature_set
+    from roomseg.feature_set import is_feature_set
 
     names: set[str] = set()
     for path in maps:
         if is_feature_set(path):
-            names |= {item.labelled.environment for item in read_feature_set(path)}
+            names |= {item.environment for item in _maps_of_set(path, ())}
         else:
             names.add(read_map(path).environment)
     if len(names) < 2:

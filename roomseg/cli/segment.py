@@ -77,7 +77,7 @@ def command(
 
 def room_count(topomap: TopoMap, rooms: int | None) -> int:
     """As many as were asked for, as the ground truth has, or as is usual for so many nodes."""
-    from roomseg.shipped import usual_room_count
+    from roomseg.room_count import usual_room_count
 
     if rooms is not None:
         return rooms
@@ -100,6 +100,12 @@ def _chosen(path: Path, model_file: Path | None) -> tuple[str, BorderModel | Non
         with MapFile(path) as file:
             if fits_shipped_model(file):
                 return SHIPPED_MODEL.name, shipped_model()
+            if file.image_count:
+                click.echo(
+                    f"{path}: not all images are there, or not of about 464 pixels, as the model "
+                    "that comes with roomseg needs them",
+                    err=True,
+                )
     if model_file is None or str(model_file) == UNIFORM:
         return UNIFORM_WEIGHTS, None
     return model_file.name, load_model(model_file)

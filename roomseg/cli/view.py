@@ -54,7 +54,8 @@ Example:
 @click.option(
     "--rooms",
     type=click.IntRange(1),
-    help="How many rooms a model of --compare shall find; the ground truth's if absent.",
+    help="How many rooms a model of --compare shall find; if absent, the ground truth's, or as "
+    "many as homes of that size have.",
 )
 @click.option(
     "--show",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import zipfile
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import pytest
 import skops.io
 from sklearn.base import clone
 from sklearn.model_selection import GridSearchCV, LeaveOneGroupOut
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC
 from sklearn.tree import DecisionTreeClassifier
 
 from dataset.errors import FormatError
@@ -103,6 +106,29 @@ def test_scikit_learn_searches_with_groups() -> None:
     assert clone(found.best_estimator_).get_params()["svm__C"] == 2.0**-3
 
 
+def test_constant_features_and_single_precision_do_no_harm() -> None:
+    values, border = edges_with_borders()
+    constant = np.column_stack([values[:, :2], np.full(len(values), 0.1)])
+    model = train(constant, border, NAMES)
+    moved = constant + np.array([0.0, 0.0, 1e-12])
+    assert model.decision_function(moved) == pytest.approx(model.decision_function(constant))
+    single = train(values.astype(np.float32), border, NAMES)
+    assert single.mean.dtype == np.float64
+
+
+def test_a_file_that_fills_the_memory_is_refused(model: BorderModel, tmp_path: Path) -> None:
+    path = tmp_path / "model.skops"
+    save_model(model, path)
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("99.npy", "w", force_zip64=True) as member,
+    ):
+        for _ in range(27):
+            member.write(bytes(10_000_000))
+    with pytest.raises(FormatError, match="bytes unpacked, expected at most"):
+        load_model(path)
+
+
 def test_higher_class_weight_finds_more_borders() -> None:
     values, border = edges_with_borders()
     found = [
@@ -174,9 +200,10 @@ def test_pickle_is_never_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 def test_unknown_types_are_refused(model: BorderModel, tmp_path: Path) -> None:
     tree = DecisionTreeClassifier().fit([[0.0], [1.0]], [0, 1])
     path = tmp_path / "model.skops"
-    for foreign in (tree, Planted):
-        skops.io.dump({"format": "roomseg-model", "version": 2, "points": foreign}, path)
-        with pytest.raises(FormatError, match=r"names the type .*expected numbers only"):
+    # The last four are trusted by skops itself.
+    for foreign in (tree, Planted, StandardScaler(), SVC(), np.add, np.float64):
+        skops.io.dump({"format": "roomseg-model", "version": 2, "other": foreign}, path)
+        with pytest.raises(FormatError, match=r"names .*expected numbers only"):
             load_model(path)
 
 
@@ -208,12 +235,18 @@ def test_a_model_knows_its_maps(model: BorderModel, tmp_path: Path) -> None:
         ({"trained_on": [{"environment": "x"}]}, "incomplete model"),
         ({"trained_on": 5}, "incomplete model"),
         ({"trained_on": [["x", "y", 1, 1, 1, 1]]}, "incomplete model"),
-        ({"points": "hello"}, "points: expected numbers of shape"),
-        ({"mean": np.full(3, np.nan)}, "mean: expected numbers of shape"),
+        ({"points": "hello"}, "points: expected finite numbers .f8. of shape"),
+        ({"mean": np.full(3, np.nan)}, "mean: expected finite numbers .f8. of shape"),
         ({"spread": np.zeros(3)}, "spread: expected > 0"),
         ({"bias": "hello"}, "incomplete model"),
+        ({"bias": 10**400}, "incomplete model"),
+        ({"points": np.ones((0, 3)), "coefficients": np.ones(0)}, "model: 3 features"),
+        ({"features": [["a"], ["b"], ["c"]]}, "model: 3 features"),
+        ({"features": ["length", "length", "d_c"]}, "model: 3 features"),
+        ({"version": np.ones(2)}, "expected 2; train again"),
+        ({"format": np.ones(2)}, "not a model file"),
         ({"bias": float("nan")}, "bias: nan, expected a finite number"),
-        ({"features": ["length"]}, r"mean: expected numbers of shape \(1,\)"),
+        ({"features": ["length"]}, r"mean: expected finite numbers .f8. of shape \(1,\)"),
     ],
 )
 def test_what_a_model_tells_is_checked(

@@ -23,7 +23,8 @@ from click.testing import CliRunner
 from dataset import FisheyeCamera, MapFile, write_map
 from roomseg.cli import main as command_line
 from roomseg.cli.main import COMMANDS, cli, main
-from roomseg.shipped import usual_room_count
+from roomseg.feature_set import add_to_feature_set
+from roomseg.room_count import usual_room_count
 from scenes import apartment_to_json, load_apartment
 
 NAMES = list(COMMANDS)
@@ -250,6 +251,12 @@ def test_maps_without_ground_truth(folder, capsys):
         count = usual_room_count(len(file.topomap.nodes))
         assert file.rooms.count == count
     assert said.err.startswith(f"{count} room") and "--rooms knows better" in said.err
+
+
+def test_an_empty_feature_set_is_refused(folder, capsys):
+    add_to_feature_set("empty.h5", [])
+    for command in (["train"], ["evaluate"], ["train", "--search", "coarse"]):
+        assert refused(capsys, *command, "empty.h5") == "empty.h5: has no maps, expected at least 1"
 
 
 def test_one_environment_cannot_be_left_out(folder, capsys):
