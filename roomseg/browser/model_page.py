@@ -183,12 +183,10 @@ def _planes(model: BorderModel) -> Any:
         "plot": plot,
     }
     select.js_on_change("value", CustomJS(args=arguments, code=CHOOSE))
-    hint = (
-        "Points: the training edges that hold the boundary, green where the model sees a border. "
-    )
+    hint = "Points: training edges that hold the boundary. "
     if len(model.names) > 2:
-        hint += "All other features are the mean of those."
-    about = text(f"<p class='quiet'>{hint}</p>", width=520)
+        hint += "Other features: the mean of the green ones."
+    about = text(f"<p class='quiet'>{hint}</p>", width=380)
     return column(row(select, about, height=44), plot, sizing_mode="stretch_both")
 
 
