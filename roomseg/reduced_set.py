@@ -50,7 +50,8 @@ def reduced_set(
     coefficients : array, shape (k,)
         Both as they were if half as many points, or `MOST_POINTS`, do not suffice.
     """
-    residual, power = _sum(points, coefficients, rows, gamma), np.ones(len(rows))
+    columns = np.ascontiguousarray(rows.T)
+    residual, power = _sum(points, coefficients, columns, gamma), np.ones(len(rows))
     most = min(MOST_POINTS, len(points) // 2, len(rows), MOST_BYTES // (8 * max(1, len(rows))))
     # Only what is filled takes memory.
     basis, weights, chosen = np.empty((most, len(rows))), np.empty(most), np.empty(most, np.intp)
@@ -59,7 +60,7 @@ def reduced_set(
         new = int(np.argmax(np.where(power > LEAST_POWER, np.abs(residual), -1.0)))
         if count == most or power[new] <= LEAST_POWER:
             return points, coefficients
-        kernel = _sum(rows[new : new + 1], np.ones(1), rows, gamma)
+        kernel = _sum(rows[new : new + 1], np.ones(1), columns, gamma)
         basis[count] = (kernel - basis[:count, new] @ basis[:count]) / np.sqrt(power[new])
         weights[count] = residual[new] / basis[count, new]
         residual -= weights[count] * basis[count]
@@ -72,8 +73,8 @@ def reduced_set(
     return rows[chosen[:count]], solve_triangular(values, weights[:count])
 
 
-def _sum(points: Floats, coefficients: Floats, rows: Floats, gamma: float) -> Floats:
-    """Σ_j coefficients_j K(row, points_j) of each row."""
-    out = np.zeros(len(rows))
-    kernel_sum(np.ascontiguousarray(rows.T), points, coefficients, gamma, out)
+def _sum(points: Floats, coefficients: Floats, columns: Floats, gamma: float) -> Floats:
+    """Σ_j coefficients_j K(row, points_j) of each row, given as columns (f, t)."""
+    out = np.zeros(columns.shape[1])
+    kernel_sum(columns, points, coefficients, gamma, out)
     return out

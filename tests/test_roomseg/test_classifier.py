@@ -78,6 +78,25 @@ def test_decision_function_is_that_of_the_paper(model: BorderModel) -> None:
     assert (model.predict(features_of(new)) == (decision > 0)).all()
 
 
+def test_dual_solution_is_feasible_and_optimal(model: BorderModel) -> None:
+    """0 <= α <= C (w C for borders), Σ y α = 0, and margins as α says (Eqs. 12-14)."""
+    training, border = edges_with_borders()
+    rows = (training - model.mean) / model.spread
+    # Its points are the support vectors, in the order of the edges.
+    support = (rows[:, None] == model.points[None]).all(axis=2).any(axis=1)
+    np.testing.assert_array_equal(rows[support], model.points)
+    y, limit = np.where(border, 1, -1), np.where(border, 40 * 0.125, 0.125)
+    alpha = np.zeros(len(y))
+    alpha[support] = model.coefficients * y[support]
+    assert (alpha >= -1e-12).all()
+    assert (alpha <= limit + 1e-9).all()
+    assert (alpha * y).sum() == pytest.approx(0, abs=1e-9)
+    margin = y * model.decision_function(training)
+    tolerance = 2e-3  # libsvm stops at 1e-3
+    assert (margin[alpha < 1e-9] >= 1 - tolerance).all()
+    assert (margin[alpha > limit - 1e-9] <= 1 + tolerance).all()
+
+
 @pytest.mark.parametrize("parameters", [{}, {"C": 8.0, "gamma": 0.5}, {"gamma": 2.0**-9}])
 def test_decisions_are_libsvms(parameters: dict[str, float]) -> None:
     chosen = ClassifierParameters(**parameters)
