@@ -13,6 +13,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
+from typing import Any
 
 import dask
 from distributed import Client, LocalCluster
@@ -56,10 +57,25 @@ def workers_of(jobs: int, scheduler: str | None = None) -> Iterator[Client]:
         quiet.setLevel(level)
 
 
+class _ClosedClient(Client):  # type: ignore[misc]
+    """A client that closes itself if no scheduler answers.
+
+    Dask leaves that to the garbage collector, which may come while the next client starts,
+    in its new thread: both then wait for one lock, and no client starts any more.
+    """
+
+    def start(self, **options: Any) -> None:
+        try:
+            super().start(**options)
+        except BaseException:
+            self.close()
+            raise
+
+
 @contextmanager
 def _remote(scheduler: str) -> Iterator[Client]:
     try:
-        client = Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
+        client = _ClosedClient(scheduler, timeout=PATIENCE_S, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise RoomsegError(
             f"--scheduler {scheduler}: no scheduler of Dask answers; expected tcp://HOST:PORT, "

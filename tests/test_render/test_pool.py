@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -12,6 +13,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
+from distributed import Client
 from test_job import TINY, make_map
 
 import render
@@ -252,3 +254,6 @@ def test_no_scheduler_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         with pytest.raises(RoomsegError, match="no scheduler of Dask answers") as caught:
             list(render_maps([], Wanted(TINY), scheduler=address))
         assert "\n" not in str(caught.value)
+        clients = [thing for thing in gc.get_objects() if isinstance(thing, Client)]
+        # Closed by the garbage collector, one may keep the next from starting.
+        assert all(client.status == "closed" for client in clients)
