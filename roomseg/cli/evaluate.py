@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from roomseg.cli.features import (
-    check_environments,
     chosen_parameters,
     classifier_options,
     labelled_maps,
@@ -57,9 +56,8 @@ def command(
     """
     from roomseg.score_sheet import score_sheet
 
-    check_environments(maps)
     chosen = chosen_parameters(**parameters)
-    labelled = labelled_maps(maps, subset)
+    labelled = labelled_maps(maps, subset, several_places=True)
     with progress_bar("maps") as bar:
         show = follow(bar, "leave one out")
         show(0, len(labelled))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from roomseg.labelled_map import LabelledMap
 
 __all__ = [
-    "check_environments",
     "check_labelled",
     "check_ready",
     "chosen_parameters",
@@ -78,7 +77,9 @@ def chosen_parameters(
     return ClassifierParameters(C=c, gamma=gamma, class_weight=class_weight, rho=rho)
 
 
-def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
+def labelled_maps(
+    paths: Sequence[Path], subset: str, *, several_places: bool = False
+) -> list[LabelledMap]:
     """Read maps with their ground truth and compute their edge features.
 
     Parameters
@@ -86,13 +87,15 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
     paths : sequence of Path
         Maps, and feature sets, which have the features of several.
     subset : str
-        Name of the feature set.
+        Name of the subset of the features.
+    several_places : bool
+        Whether places will be left out, so that there must be two.
 
     Raises
     ------
     RoomsegError
         Before anything is computed: if a map is unreadable, lacks images that
-        the features need, or lacks its ground truth.
+        the features need, or lacks its ground truth, or all are of one place.
     """
     from roomseg.feature_set import is_feature_set
     from roomseg.features import SUBSETS
@@ -103,6 +106,8 @@ def labelled_maps(paths: Sequence[Path], subset: str) -> list[LabelledMap]:
         if path not in sets:
             check_ready(path, names)
             check_labelled(path)
+    if several_places:
+        _check_places([path for path in paths if path not in sets], sets.values())
     maps: list[LabelledMap] = []
     with progress_bar("images") as bar:
         for path in paths:
@@ -176,17 +181,12 @@ def check_labelled(path: Path) -> None:
         )
 
 
-def check_environments(maps: Sequence[Path]) -> None:
+def _check_places(paths: Iterable[Path], sets: Iterable[Sequence[LabelledMap]]) -> None:
     """Refuse maps of one place, before minutes are spent on their images."""
     from dataset import RoomsegError, read_map
-    from roomseg.feature_set import is_feature_set
 
-    names: set[str] = set()
-    for path in maps:
-        if is_feature_set(path):
-            names |= {item.environment for item in _maps_of_set(path, ())}
-        else:
-            names.add(read_map(path).environment)
+    names = {read_map(path).environment for path in paths}
+    names |= {item.environment for maps in sets for item in maps}
     if len(names) < 2:
         raise RoomsegError(
             f"maps: all of the environment {names.pop()!r}, expected at least 2 environments "

@@ -150,7 +150,7 @@ def _features(
     outcomes, _ = carry_out(runs, jobs)
     tell_all([outcome.problem for outcome in outcomes if outcome.problem is not None])
     maps = tuple(run.output for run in runs)
-    click.get_current_context().invoke(render.command, maps=maps, preset=preset)
+    click.get_current_context().invoke(render.command, maps=maps, preset=preset, jobs=jobs)
     complete_feature_set(maps, features_file, jobs)
     wanted = {path.stem for path in maps}
     return [

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from roomseg.cli.features import (
-    check_environments,
     chosen_parameters,
     classifier_options,
     labelled_maps,
@@ -76,9 +75,7 @@ def command(
 
     _refuse_both(ctx, space)
     chosen = chosen_parameters(**parameters)
-    if space is not None:
-        check_environments(maps)
-    labelled = labelled_maps(maps, subset)
+    labelled = labelled_maps(maps, subset, several_places=space is not None)
     figures: dict[str, Any] = {"maps": [str(path) for path in origins(maps)]}
     if space is not None:
         chosen, figures["search"] = _searched(labelled, space, jobs, output)
