@@ -68,7 +68,12 @@ dl { display: grid; grid-template-columns: auto 1fr; gap: 2px 10px; margin: 4px 
 dt { color: #666 } dd { margin: 0; overflow-wrap: anywhere }
 img { display: block; margin-top: 4px; max-width: 100%; border-radius: 3px }
 """
-PANEL = {"background": "#F4F4F2", "padding": "8px 12px", "overflow-y": "auto"}
+PANEL = {
+    "background": "#F4F4F2",
+    "padding": "8px 12px",
+    "overflow-y": "auto",
+    "overflow-x": "hidden",
+}
 
 TWO_COLUMNS = """
 .bk-input-group { columns: 2; display: block } label { display: flex; align-items: center }
@@ -96,7 +101,7 @@ PALETTE = tuple(
 
 def page(title: str, view: Any, *panel: Any) -> str:
     """Lay out a page: the view fills it, the panel beside it has its own scroll bar."""
-    side = column(*panel, width=WIDTH + 24, sizing_mode="stretch_height", styles=PANEL)
+    side = column(*panel, width=WIDTH + 40, sizing_mode="stretch_height", styles=PANEL)
     return str(file_html(row(view, side, sizing_mode="stretch_both"), INLINE, title))
 
 
