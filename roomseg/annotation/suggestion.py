@@ -4,6 +4,7 @@ A classifier marks edges and a clustering parts nodes, but a person draws lines.
 group of edges is crossed by the straight line near their middles, about at right
 angles to them, that crosses fewest edges of the map: the narrowest place. The line
 runs on to both sides as long as there are edges to cross, to the walls or the furniture.
+Rooms that meet in the middle of a floor give lines that part nothing; they are not proposed.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from roomseg.annotation.cut import CuttableMap
+from roomseg.ground_truth import cut_pieces
 from roomseg.room_count import usual_room_count
 from roomseg.segmentation import affinity_of, edge_weights
 from roomseg.spectral import adjacency, spectral_clustering
@@ -37,6 +39,8 @@ SHIFTS = np.linspace(-0.2, 0.2, 9)
 TURNS = np.radians(np.linspace(-20.0, 20.0, 9))
 NEAR = 4.0
 """m; no line goes on so far from the edges that it is for."""
+PARTED = 0.5
+"""Share of the edges crossed by a line whose nodes it has to part."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,26 @@ def suggested_lines(
         line, crossed = _narrowest(segments[meeting][group], segments)
         found.append((-int(is_border[crossed].sum()), line))
     found.sort(key=lambda suggestion: suggestion[0])
-    return np.round(np.array([line for _, line in found]).reshape(-1, 2, 2), 4)
+    lines = np.round(np.array([line for _, line in found]).reshape(-1, 2, 2), 4)
+    return _parting(canvas, lines)
+
+
+def _parting(canvas: CuttableMap, lines: Floats) -> Floats:
+    """Those lines, (k, 2, 2), that together part the nodes of most edges that each crosses."""
+    line, edge = canvas.crossings(lines)
+    kept = np.ones(len(lines), bool)
+    while kept.any():
+        is_border = np.zeros(len(canvas.edges), bool)
+        is_border[edge[kept[line]]] = True
+        piece = cut_pieces(canvas.topomap, canvas.graph, is_border).piece[canvas.edges[edge]]
+        parted = np.bincount(line[piece[:, 0] != piece[:, 1]], minlength=len(lines))
+        share = parted / np.maximum(np.bincount(line, minlength=len(lines)), 1)
+        share[~kept] = 1.0
+        if share.min() >= PARTED:
+            break
+        kept[share.argmin()] = False
+    chosen: Floats = lines[kept]
+    return chosen
 
 
 def dividing_line(canvas: CuttableMap, nodes: Integers, seed: int) -> Floats | None:

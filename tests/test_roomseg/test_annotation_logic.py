@@ -303,6 +303,18 @@ def test_a_perfect_classifier_suggests_the_borders() -> None:
     assert agreeing / len(rooms) > 0.97
 
 
+@pytest.mark.parametrize("rooms", [5, 8, 12])
+def test_lines_that_part_nothing_are_not_suggested(rooms: int) -> None:
+    canvas = CuttableMap(FLAT)
+    marked = FLAT.ground_truth.edge_is_border[canvas.graph.kept]
+    suggestions = suggested_lines(canvas, marked, 60.0, rooms, seed=0)
+    cut = canvas.cut(Drawing().with_borders(suggestions.reshape(-1, 4)))
+    ends = cut.pieces.piece[canvas.edges[cut.edge]]
+    parted = ends[:, 0] != ends[:, 1]
+    assert len(suggestions) >= 2
+    assert all(parted[cut.border == line].mean() >= 0.5 for line in range(len(suggestions)))
+
+
 def test_a_single_node_cannot_be_divided() -> None:
     assert dividing_line(CuttableMap(CORRIDOR), np.array([5]), 0) is None
 
