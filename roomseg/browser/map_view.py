@@ -200,11 +200,11 @@ class MapView:
             return column(text(escape(about)), self.figures[0], sizing_mode="stretch_both")
         options = [(str(i), item.name) for i, item in enumerate(self._segmentations)]
         selects = [
-            Select(options=options, value=str(index), name=f"rooms{index}", width=260)
+            Select(options=options, value=str(index), name=f"rooms{index}", width=216)
             for index in range(2)
         ]
         abouts = [
-            text(escape(self._shown[0][index].about), f"about{index}", width=180)
+            text(escape(self._shown[0][index].about), f"about{index}", width=212)
             for index in range(2)
         ]
         arguments = {
