@@ -250,6 +250,12 @@ class TopoMap:
         if truth is not None and truth.room is not None and len(truth.room) != n:
             raise FormatError(f"ground_truth/room: {len(truth.room)} values, expected {n}")
 
+    @property
+    def title(self) -> str:
+        """Environment and run, once if they are the same."""
+        same = self.environment == self.run
+        return self.environment if same else f"{self.environment}, {self.run}"
+
     def edge_lengths(self) -> Floats:
         """Edge length l from the position estimates, m, shape (e,) (§2.2.1)."""
         position = self.nodes.position

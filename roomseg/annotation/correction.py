@@ -11,7 +11,7 @@ from dataset.errors import RoomsegError
 from roomseg.annotation.cut import Cut, CuttableMap
 from roomseg.annotation.drawing import SHORTEST_BORDER, Border, Drawing
 from roomseg.annotation.identity import room_of_nodes
-from roomseg.annotation.suggestion import dividing_line
+from roomseg.annotation.suggestion import dividing_lines
 
 __all__ = ["merged", "split"]
 
@@ -19,18 +19,18 @@ Floats = NDArray[np.float64]
 
 
 def split(canvas: CuttableMap, drawing: Drawing, number: int) -> Drawing:
-    """Draw a border where a room is narrow; one room more than were given.
+    """Draw borders where a room is narrow; one room more than were given.
 
     Raises
     ------
     RoomsegError
-        If there is no such room, or it is a single node.
+        If there is no such room, or no straight lines part its nodes.
     """
     room = drawing.room(number)
-    line = dividing_line(canvas, room.indices(), number)
-    if line is None:
-        raise RoomsegError(f"{room.title}: no edge joins two of its nodes, nothing to split")
-    drawn = drawing.with_borders([line])
+    lines = dividing_lines(canvas, room.indices(), drawing.segments, number)
+    if not len(lines):
+        raise RoomsegError(f"{room.title}: found no place to split it; draw the border by hand")
+    drawn = drawing.with_borders(lines.reshape(-1, 4))
     return drawn if drawn.count is None else replace(drawn, count=drawn.count + 1)
 
 

@@ -49,10 +49,14 @@ div.text = `<b>Node ${node}</b>, lane ${lane[node]} of part ${part[node]}<br>` +
 """
 TAKE_KEY = """
 document.addEventListener("keydown", (event) => {
-  if (/INPUT|TEXTAREA|SELECT/.test(event.composedPath()[0].tagName)) return
+  const field = event.composedPath()[0]
   const key = (event.ctrlKey || event.metaKey ? "ctrl+" : "") +
     (event.ctrlKey && event.shiftKey ? "shift+" : "") + event.key
   if (!keys.includes(key)) return
+  if (/INPUT|TEXTAREA|SELECT/.test(field.tagName)) {
+    if (key != "ctrl+s") return
+    field.blur()  // what was typed counts, too
+  }
   event.preventDefault()
   div.tags = [key, Date.now()]
 })
@@ -81,7 +85,7 @@ class AnnotationPage:
     ) -> None:
         self._annotation = annotation
         self.plot = MapPlot(annotation.canvas, has_image)
-        self.panel = Panel(annotation, others)
+        self.panel = Panel(annotation, others, has_images=bool(has_image.any()))
         self._drag: Drag | None = None
         self._border: int | None = None
         self._suggestion: int | None = None
@@ -166,6 +170,7 @@ class AnnotationPage:
         self.plot.show_rooms(annotation.drawing)
         self._show_selected()
         self.panel.show(annotation, self.plot.colour_of)
+        self._show_chosen()
 
     def _show_selected(self) -> None:
         annotation = self._annotation
@@ -229,6 +234,7 @@ class AnnotationPage:
         annotation, reach = self._annotation, GRIP * self.plot.metres_per_pixel()
         border = border_at(annotation.drawing.borders, event.x, event.y, reach)
         self._border = self._suggestion = None
+        self.panel.say("")
         if border is not None:
             self._border = border.id
         else:
@@ -302,6 +308,7 @@ class AnnotationPage:
     def _split(self) -> None:
         (number,) = self._chosen_rooms(1)
         self._annotation.split(number)
+        self._select_border(self._annotation.drawing.borders[-1:])
 
     def _merge(self) -> None:
         first, second = self._chosen_rooms(2)
@@ -335,10 +342,18 @@ class AnnotationPage:
         self._try(lambda: self._annotation.give_count(count))
         self.panel.show(self._annotation, self.plot.colour_of)
 
+    def _show_chosen(self) -> None:
+        """Ring the selected rooms, and enable what can be done with them."""
+        rooms = self._annotation.drawing.active_rooms
+        chosen = [rooms[i] for i in self.panel.rooms.selected.indices if i < len(rooms)]
+        self.panel.show_selected_rooms(len(chosen))
+        self.plot.show_selected_rooms(chosen)
+
     def _show_title(self, attribute: str, old: Any, new: Any) -> None:
         rooms = self._annotation.drawing.active_rooms
         single = len(new) == 1 and new[0] < len(rooms)
         self.panel.show_title(rooms[new[0]] if single else None)
+        self._show_chosen()
 
     def _rename(self, attribute: str, old: Any, new: Any) -> None:
         if not self.panel.is_showing:

@@ -33,7 +33,7 @@ __all__ = ["Panel"]
 WIDTH = 350
 STYLE = """
 :host { font-family: system-ui, sans-serif; font-size: 13px; line-height: 1.4; color: #222 }
-h1 { font-size: 16px; margin: 0 } h2 { font-size: 13px; margin: 4px 0 0 0 }
+h1 { font-size: 16px; margin: 0; overflow-wrap: anywhere } h2 { font-size: 13px; margin: 4px 0 0 0 }
 p { margin: 2px 0 } .quiet { color: #666 } .wrong, .leak { color: #B01010 }
 .good { color: #00664A } img { display: block; margin-top: 4px; max-width: 100%; max-height: 190px;
 image-rendering: auto; border-radius: 3px } kbd { background: #eee; padding: 0 3px;
@@ -45,7 +45,20 @@ HELP = """
 <b>Wheel</b> zooms. <kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd> undo, redo; <kbd>Del</kbd> deletes;
 <kbd>A</kbd> accepts, <kbd>X</kbd> strikes out; <kbd>Ctrl S</kbd> saves.</p>
 """
+UNCONFIRMED = """
+<p class="quiet">Draw what is missing, or tick the box below. Until then Save keeps borders, but no
+rooms.</p>
+"""
 SWATCH = '<div style="width:14px;height:14px;border-radius:7px;background:<%- value %>"></div>'
+PANEL = {
+    "background": "#F4F4F2",
+    "padding": "6px 10px",
+    "overflow-y": "auto",
+    "overflow-x": "hidden",
+}
+ROW_HEIGHT = 24
+SHOWN_ROOMS = (3, 10)
+"""Rows of the list of rooms; with more it has its own scroll bar."""
 MOST_LEAKS = 4
 """Told one by one; more are only counted."""
 
@@ -53,28 +66,31 @@ MOST_LEAKS = 4
 class Panel:
     """The side panel; `AnnotationPage` connects it with the annotation."""
 
-    def __init__(self, annotation: Annotation, others: tuple[tuple[str, str], ...]) -> None:
+    def __init__(
+        self, annotation: Annotation, others: tuple[tuple[str, str], ...], *, has_images: bool
+    ) -> None:
         self.is_showing = False
         """While the page itself changes fields, nothing is taken as the person's word."""
         topomap = annotation.topomap
         links = "".join(f'<a href="{escape(u)}">{escape(t)}</a>' for t, u in others)
         head = (
             f"<h1>{escape(annotation.path.name)}</h1><p class='quiet'>"
-            f"{escape(topomap.environment)}, {escape(topomap.run)}: {len(topomap.nodes)} nodes, "
+            f"{escape(topomap.title)}: {len(topomap.nodes)} nodes, "
             f"{len(annotation.canvas.edges)} edges</p>{links and f'<p>Other maps: {links}</p>'}"
         )
+        hint = "Point at a node to see its image." if has_images else ""
         self.mode = RadioButtonGroup(labels=["Draw and move", "Pan"], active=0, name="mode")
         self.status, self.message = _text(name="status"), _text(annotation.notice, name="message")
-        self.suggested, self.node = _text(), _text("Point at a node to see its image.", name="node")
+        self.suggested, self.node = _text(), _text(hint, name="node")
         # Never seen; the browser writes pressed keys into its tags.
         self.keys = Div(visible=False, name="keys")
         self.buttons = {
             name: Button(label=label, button_type=kind, name=name, width=width)
             for name, label, kind, width in (
-                ("undo", "Undo", "default", 60),
-                ("redo", "Redo", "default", 60),
-                ("delete", "Delete border", "default", 100),
-                ("save", "Save", "success", 70),
+                ("undo", "Undo", "default", 56),
+                ("redo", "Redo", "default", 56),
+                ("delete", "Delete border", "default", 112),
+                ("save", "Save", "success", 64),
                 ("split", "Split room", "default", 100),
                 ("merge", "Merge rooms", "default", 105),
                 ("accept", "Accept", "default", 75),
@@ -114,9 +130,9 @@ class Panel:
             self.node,
             _text(HELP),
             self.keys,
-            width=WIDTH,
+            width=WIDTH + 24,
             sizing_mode="stretch_height",
-            styles={"overflow-y": "auto", "padding": "6px 10px", "background": "#F4F4F2"},
+            styles=PANEL,
         )
 
     def _made_table(self) -> DataTable:
@@ -140,8 +156,8 @@ class Panel:
             index_position=None,
             reorderable=False,
             width=WIDTH - 25,
-            height=170,
-            row_height=24,
+            height=_table_height(0),
+            row_height=ROW_HEIGHT,
             autosize_mode="none",
         )
 
@@ -163,7 +179,8 @@ class Panel:
             self.automatic.active = annotation.drawing.count is None
             self.buttons["undo"].disabled = not annotation.history.past
             self.buttons["redo"].disabled = not annotation.history.future
-            self.buttons["save"].label = "Save" if annotation.unsaved else "Saved"
+            is_saved = annotation.drawing.borders and not annotation.unsaved
+            self.buttons["save"].label = "Saved" if is_saved else "Save"
         finally:
             self.is_showing = False
 
@@ -176,6 +193,7 @@ class Panel:
         }
         if data != self.rooms.data:
             self.rooms.data = data
+            self._table.height = _table_height(len(rooms))
             # Bokeh's table draws itself anew only if the number of rows or its view changes.
             self._table.view.filter = AllIndices()
 
@@ -186,6 +204,11 @@ class Panel:
         self.title.disabled = room is None
         self.is_showing = False
 
+    def show_selected_rooms(self, count: int) -> None:
+        """Enable what can be done with so many rooms."""
+        self.buttons["split"].disabled = count != 1
+        self.buttons["merge"].disabled = count != 2
+
     def show_selected(self, border: int | None, suggestion: int | None, left: int) -> None:
         """Enable what can be done with what is selected."""
         self.buttons["delete"].disabled = border is None
@@ -193,6 +216,11 @@ class Panel:
             self.buttons[name].disabled = suggestion is None
         self.buttons["accept_all"].disabled = not left
         self.suggested.text = f"<h2>Suggestions: {left} left</h2>"
+
+
+def _table_height(rooms: int) -> int:
+    fewest, most = SHOWN_ROOMS
+    return ROW_HEIGHT * (1 + min(max(rooms, fewest), most)) + 8
 
 
 def _text(html: str = "", name: str = "") -> Div:
@@ -219,7 +247,9 @@ def _status(annotation: Annotation) -> str:
     if confirmation is None:
         lines.append('<p class="quiet">clustering&hellip;</p>')
     elif confirmation.problem:
-        lines.append(f'<p class="leak">&#9888; {escape(confirmation.problem)}</p>')
+        lines.append(f'<p class="leak">&#9888; {escape(confirmation.problem)}.</p>{UNCONFIRMED}')
+    elif not borders and count == 1:
+        lines.append('<p class="quiet">Draw a line across every doorway.</p>')
     elif not cut.leaks:
         lines.append('<p class="good">&#10003; The clustering agrees: every border separates.</p>')
     return "".join(lines)

@@ -23,12 +23,13 @@ from numpy.typing import NDArray
 
 from dataset.topomap import TopoMap
 from roomseg.annotation.cut import Cut, CuttableMap
-from roomseg.annotation.drawing import Drawing
+from roomseg.annotation.drawing import Drawing, Room
 from roomseg.annotation.identity import room_of_nodes
 from roomseg.browser.labels import draw_names
 from roomseg.figures.style import (
     BORDER_BLACK,
     BORDER_EDGE_GREEN,
+    INK,
     OBSTACLE_BLUE,
     room_colours,
 )
@@ -64,6 +65,7 @@ class MapPlot:
             toolbar_location="above",
             x_axis_label="x (m)",
             y_axis_label="y (m)",
+            min_border_left=64,
             match_aspect=True,
             name="map",
         )
@@ -122,12 +124,16 @@ class MapPlot:
             fill_color={"field": "colour", "transform": mapper},
             line_color=None,
         )
+        self.chosen = ColumnDataSource({"x": [], "y": []}, name="chosen")
+        self.figure.circle(
+            "x", "y", source=self.chosen, radius=NODE, fill_color=None, line_color=INK, line_width=2
+        )
         # A click selects rooms in the list, not single nodes.
         self.node_glyphs.nonselection_glyph = None
 
     def _add_drawn(self) -> None:
         plot = self.figure
-        names = ("crossed", "borders", "selected", "suggestions", "preview", "touched")
+        names = ("crossed", "borders", "selected", "suggestions", "touched", "preview")
         self.segments = {
             name: ColumnDataSource({k: [] for k in ("x0", "y0", "x1", "y1")}, name=name)
             for name in names
@@ -143,7 +149,7 @@ class MapPlot:
             },
             "selected": {"color": SELECTED_BLUE, "line_width": 9, "alpha": 0.45},
             "borders": {"color": BORDER_BLACK, "line_width": 2.5},
-            "preview": {"color": SELECTED_BLUE, "line_width": 2.5, "line_dash": [6, 3]},
+            "preview": {"color": BORDER_BLACK, "line_width": 3.5, "line_dash": [8, 4]},
         }
         for name, look in looks.items():
             plot.segment("x0", "y0", "x1", "y1", source=self.segments[name], **look)
@@ -197,6 +203,13 @@ class MapPlot:
         colour = ((number - 1) % PALETTE_SIZE).astype(np.int32)
         if not np.array_equal(colour, self.nodes.data["colour"]):
             self.nodes.patch({"colour": [(slice(len(colour)), colour)]})
+
+    def show_selected_rooms(self, rooms: list[Room]) -> None:
+        """Ring the nodes of rooms."""
+        nodes = np.concatenate([np.zeros(0, np.int64), *(room.indices() for room in rooms)])
+        x, y = self._canvas.position[nodes].T
+        if len(x) or len(self.chosen.data["x"]):
+            self.chosen.data = {"x": x, "y": y}
 
     def colour_of(self, room: int) -> str:
         """Colour of a room by its number."""

@@ -238,7 +238,8 @@ class Annotation(Closing):
         assert confirmation is not None
         self._journal.check_same(read_map(self.path))
         truth = GroundTruth(self.drawing.segments, "map", self.cut.edge_is_border, self.count)
-        lines = f"{len(self.drawing.borders)} borders"
+        drawn = len(self.drawing.borders)
+        lines = f"{drawn} border{'s' * (drawn != 1)}"
         if confirmation.problem:
             write_ground_truth(self.path, truth)
             return f"Saved {lines}, but no rooms yet: {confirmation.problem}"
@@ -248,7 +249,8 @@ class Annotation(Closing):
         self._journal.clear(self.drawing)
         self.saved = self.drawing
         self._tell()
-        return f"Saved {lines} and {self.count} rooms into {self.path.name}."
+        rooms = f"{self.count} room{'s' * (self.count != 1)}"
+        return f"Saved {lines} and {rooms} into {self.path.name}."
 
 
 def _alike(line: Floats, other: Floats) -> bool:

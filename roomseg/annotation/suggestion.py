@@ -23,7 +23,7 @@ from roomseg.room_count import usual_room_count
 from roomseg.segmentation import affinity_of, edge_weights
 from roomseg.spectral import adjacency, spectral_clustering
 
-__all__ = ["dividing_line", "suggested_lines"]
+__all__ = ["dividing_lines", "suggested_lines"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -41,6 +41,8 @@ NEAR = 4.0
 """m; no line goes on so far from the edges that it is for."""
 PARTED = 0.5
 """Share of the edges crossed by a line whose nodes it has to part."""
+NEARLY = 0.8
+"""A line without which so much of a part stays cut off is one too many."""
 
 
 @dataclass(frozen=True)
@@ -114,15 +116,14 @@ def suggested_lines(
     return _parting(canvas, lines)
 
 
-def _parting(canvas: CuttableMap, lines: Floats) -> Floats:
-    """Those lines, (k, 2, 2), that together part the nodes of most edges that each crosses."""
+def _parting(canvas: CuttableMap, lines: Floats, drawn: Floats | None = None) -> Floats:
+    """Those lines, (k, 2, 2), that with those drawn part the nodes of most edges they cross."""
+    drawn = np.zeros((0, 2, 2)) if drawn is None else drawn
     line, edge = canvas.crossings(lines)
     kept = np.ones(len(lines), bool)
     while kept.any():
-        is_border = np.zeros(len(canvas.edges), bool)
-        is_border[edge[kept[line]]] = True
-        piece = cut_pieces(canvas.topomap, canvas.graph, is_border).piece[canvas.edges[edge]]
-        parted = np.bincount(line[piece[:, 0] != piece[:, 1]], minlength=len(lines))
+        ends = _pieces(canvas, np.concatenate([drawn, lines[kept]]))[canvas.edges[edge]]
+        parted = np.bincount(line[ends[:, 0] != ends[:, 1]], minlength=len(lines))
         share = parted / np.maximum(np.bincount(line, minlength=len(lines)), 1)
         share[~kept] = 1.0
         if share.min() >= PARTED:
@@ -132,25 +133,36 @@ def _parting(canvas: CuttableMap, lines: Floats) -> Floats:
     return chosen
 
 
-def dividing_line(canvas: CuttableMap, nodes: Integers, seed: int) -> Floats | None:
-    """Line that divides a room where it is narrow, near its normalised cut, shape (2, 2).
+def _pieces(canvas: CuttableMap, lines: Floats) -> Integers:
+    """Into which piece each node comes if borders are drawn, shape (n,)."""
+    is_border = np.zeros(len(canvas.edges), bool)
+    is_border[canvas.crossings(lines)[1]] = True
+    return cut_pieces(canvas.topomap, canvas.graph, is_border).piece
 
-    None if no edge joins two of its nodes.
+
+def dividing_lines(canvas: CuttableMap, nodes: Integers, drawn: Floats, seed: int) -> Floats:
+    """Lines that divide a room where it is narrow, near its normalised cut, shape (k, 2, 2).
+
+    Several if it is divided at several places, as a room with a loop; none if no edge
+    joins two of its nodes, or no straight lines part them.
 
     Parameters
     ----------
     canvas : CuttableMap
     nodes : array, shape (k,)
         The room's.
+    drawn : array, shape (b, 2, 2)
+        Borders that are there.
     seed : int
         For the starts of k-means.
     """
+    none = np.zeros((0, 2, 2))
     inside = np.full(len(canvas.position), -1)
     inside[nodes] = np.arange(len(nodes))
     edges = inside[canvas.graph.edges]
     edges = edges[(edges >= 0).all(axis=1)]
     if not len(edges):
-        return None
+        return none
     affinity = adjacency(len(nodes), edges, np.ones(len(edges)))
     pieces, piece = connected_components(affinity, directed=False)
     if pieces == 1:
@@ -161,7 +173,20 @@ def dividing_line(canvas: CuttableMap, nodes: Integers, seed: int) -> Floats | N
     inner = inner[(inner >= 0).all(axis=1)]
     between = half[inner[:, 0]] != half[inner[:, 1]]
     segments = canvas.position[nodes][inner]
-    return _narrowest(segments[between], segments)[0] if between.any() else None
+    groups = _groups(segments[between])
+    lines = [_narrowest(segments[between][group], segments)[0] for group in groups]
+    found = _parting(canvas, np.round(np.array(lines).reshape(-1, 2, 2), 4), drawn)
+
+    def other_part(lines: Floats) -> int:
+        size = np.bincount(_pieces(canvas, np.concatenate([drawn, lines]))[nodes])
+        return int(np.sort(size)[-2]) if np.count_nonzero(size) > 1 else 0
+
+    whole = other_part(found)
+    for index in reversed(range(len(found))):
+        fewer = np.delete(found, index, axis=0)
+        if other_part(fewer) >= NEARLY * whole > 0:
+            found = fewer
+    return found
 
 
 def _groups(segments: Floats) -> list[Integers]:

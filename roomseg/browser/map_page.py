@@ -57,7 +57,7 @@ def map_page(
     picture = _picture(file, view, most_images)
     choice = view.feature_choice(graph.edges, features or {})
     replay = replay_controls(view.layers, view.nodes, view.switch, view.robots)
-    title = f"{topomap.environment}, {topomap.run}"
+    title = topomap.title
     return page(
         title,
         view.layout(),
@@ -73,7 +73,7 @@ def map_page(
 
 def _picture(file: MapFile, view: MapView, most: int) -> Any:
     """Where the images of a node are shown."""
-    hint = "Point at a node to see its images."
+    hint = f"Point at a node to see {'its images' if file.image_count else 'what it is'}."
     if file.image_count > most:
         hint = f"The {file.image_count} images are left out, so that the page stays small."
     picture = text(f"<p class='quiet'>{hint}</p>", name="node")

@@ -98,6 +98,7 @@ class MapView:
         self.figures = [self._figure(index) for index in range(count)]
         for other in self.figures[1:]:
             other.x_range, other.y_range = self.figures[0].x_range, self.figures[0].y_range
+            other.match_aspect = False  # The first sees to it; two would fit the ranges in turn.
         self.switch = layer_switch(layers.renderers, layers.shown, coloured=True)
 
     def _node_columns(self, topomap: TopoMap) -> dict[str, Any]:
@@ -173,15 +174,17 @@ class MapView:
         self._hovered.append((plot, nodes))
         self.layers.add("nodes", nodes, shown=True)
         if len(self._segmentations) > 1:
-            ring = plot.circle(
+            # Metres, not pixels: else rings hide the colours of a large map. Seen on the right
+            # only, but there in both, so that the figures fit the same ranges.
+            ring = plot.annulus(
                 "x",
                 "y",
                 source=self.nodes,
-                radius=1.35 * NODE,
-                fill_color=None,
-                line_color=BORDER_BLACK,
-                line_width=1.0,
-                line_alpha="differs",
+                inner_radius=1.1 * NODE,
+                outer_radius=1.5 * NODE,
+                fill_color=BORDER_BLACK,
+                fill_alpha="differs" if index else 0.0,
+                line_color=None,
             )
             self.layers.add(DIFFERING, ring, shown=True)
 

@@ -62,7 +62,7 @@ WIDTH = 340
 ROW_HEIGHT = 24
 STYLE = """
 :host { font-family: system-ui, sans-serif; font-size: 13px; line-height: 1.4; color: #222 }
-h1 { font-size: 17px; margin: 0 } h2 { font-size: 13px; margin: 6px 0 0 0 }
+h1 { font-size: 17px; margin: 0; overflow-wrap: anywhere } h2 { font-size: 13px; margin: 6px 0 0 0 }
 p { margin: 2px 0; overflow-wrap: anywhere } .quiet { color: #666 }
 dl { display: grid; grid-template-columns: auto 1fr; gap: 2px 10px; margin: 4px 0 }
 dt { color: #666 } dd { margin: 0; overflow-wrap: anywhere }

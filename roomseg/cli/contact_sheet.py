@@ -36,7 +36,7 @@ def write_contact_sheet(path: Path) -> Path | None:
             if shot.panorama is not None
         ]
         preset = f", {file.preset}" if file.preset else ""
-    title = f"{topomap.environment}, {topomap.run}{preset}: {len(done)} images"
+    title = f"{topomap.title}{preset}: {len(done)} images"
     output = path.with_suffix(".png")
     picture = png_bytes(contact_sheet_figure(title, views))
     with replacing(output) as part:

@@ -59,7 +59,7 @@ def _available(file: MapFile) -> dict[str, list[Panel]]:
                 figures.draw_cleaning_run,
                 topomap=topomap,
                 outlines=outlines,
-                title=f"{topomap.environment}, {topomap.run}",
+                title=topomap.title,
             )
         ],
         "obstacles": [partial(figures.draw_obstacle_map, topomap=topomap, title="Robot's map")],

@@ -34,8 +34,10 @@ Ints = NDArray[np.int64]
 
 _NODE_DIAMETER = 0.13
 """Of the circle drawn for a node, m; less than half the lane spacing."""
-WRONG_RING = 0.9
-"""Width of the black ring around a node in a wrong room, pt."""
+WRONG_RING, RING_SHARE = 0.9, 0.25
+"""Width of the black ring around a node in a wrong room, pt, at most; of the node's diameter."""
+ALIKE = 0.1
+"""Least intersection over union of two rooms that have the same name."""
 _RING, _RIM = (0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 0.7)
 
 
@@ -43,7 +45,8 @@ def match_rooms(predicted: ArrayLike, truth: ArrayLike) -> Ints:
     """Rename predicted rooms so that they share as many nodes as possible with true ones.
 
     What the authors of Fig. 22 did by hand: the one-to-one assignment of labels
-    that maximises the number of agreeing nodes. Predicted rooms left over are
+    that maximises the number of agreeing nodes. Predicted rooms left over, and those that
+    share next to nothing with their partner (intersection over union below `ALIKE`), are
     named by the integers above every true label.
 
     Parameters
@@ -71,6 +74,9 @@ def match_rooms(predicted: ArrayLike, truth: ArrayLike) -> Ints:
     overlap = np.zeros((len(guess_labels), len(real_labels)), dtype=np.int64)
     np.add.at(overlap, (guess_index, real_index), 1)
     rows, columns = linear_sum_assignment(overlap, maximize=True)
+    union = overlap.sum(1)[rows] + overlap.sum(0)[columns] - overlap[rows, columns]
+    alike = overlap[rows, columns] >= ALIKE * union
+    rows, columns = rows[alike], columns[alike]
     names = np.full(len(guess_labels), -1, dtype=np.int64)
     names[rows] = real_labels[columns]
     spare = np.setdiff1d(np.arange(len(guess_labels)), rows)
@@ -217,6 +223,7 @@ def _scatter_rooms(
 ) -> None:
     """One collection per room, so that artists and rooms correspond, and its number on top."""
     colours = room_colours(len(names))
+    ring = min(WRONG_RING, RING_SHARE * _NODE_DIAMETER * _points_per_metre(ax, position))
     for index, name in enumerate(names):
         inside = labels == name
         if not inside.any():
@@ -224,8 +231,15 @@ def _scatter_rooms(
         circles = draw_circles(ax, position[inside], _NODE_DIAMETER)
         circles.set(facecolor=colours[index], gid=f"room-{name}", zorder=3)
         circles.set_edgecolor(np.where(wrong[inside, None], _RING, _RIM))
-        circles.set_linewidth(np.where(wrong[inside], WRONG_RING, 0.35))
+        circles.set_linewidth(np.where(wrong[inside], ring, min(0.35, 0.4 * ring)))
         _number_room(ax, position[inside], index + 1)
+
+
+def _points_per_metre(ax: Any, position: NDArray[np.float64]) -> float:
+    """About how large a metre will be drawn when these positions fill the axes."""
+    box = ax.get_window_extent()
+    size = np.array([box.width, box.height]) * 72.0 / ax.figure.dpi
+    return float((size / np.maximum(np.ptp(position, axis=0), 1.0)).min())
 
 
 def _number_room(ax: Any, position: NDArray[np.float64], number: int) -> None:

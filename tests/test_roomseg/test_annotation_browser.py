@@ -202,13 +202,14 @@ def test_a_killed_server_loses_nothing(tmp_path: Path, tab: Tab) -> None:
         tab.until("borders.data.x0.length == 0")
 
 
-def test_rooms_are_named_split_and_merged(url: str, tab: Tab) -> None:
+def test_rooms_are_named_split_and_merged(
+    maps: tuple[Path, Path, Path], url: str, tab: Tab
+) -> None:
     inside = FLAT.nodes.position[3]
     tab.open(f"{url}/map1")
     tab.drag(*DOORS[0])
     tab.until("rooms.data.name.length == 2")
-    tab.press("Split room")
-    tab.until("message.text.includes('Click on one room first')")
+    assert tab.page.get_by_role("button", name="Split room").is_disabled()
     tab.click(inside)
     tab.until("rooms.selected.indices.length == 1")
     field = tab.page.get_by_placeholder("name of the selected room")
@@ -226,6 +227,10 @@ def test_rooms_are_named_split_and_merged(url: str, tab: Tab) -> None:
     tab.until("rooms.selected.indices.length == 2")
     tab.press("Merge rooms")
     tab.until("rooms.data.name.length == 1 && rooms.data.name[0] == '<i>Küche</i>'")
+    field.fill("attic")
+    field.press("Control+s")
+    tab.until("message.text.includes('Saved 0 borders and 1 room ')")
+    assert read_map(maps[1]).ground_truth.room_names == ("attic",)
     assert tab.errors == []
 
 

@@ -21,7 +21,7 @@ from roomseg.annotation.drawing import Border, Drawing, Room, ranges_of
 from roomseg.annotation.history import History
 from roomseg.annotation.identity import identified, room_of_nodes
 from roomseg.annotation.pointer import border_at, line_at, pressed
-from roomseg.annotation.suggestion import dividing_line, suggested_lines
+from roomseg.annotation.suggestion import dividing_lines, suggested_lines
 from roomseg.spectral import adjacency
 
 CORRIDOR = replace(rows_map((), 1), ground_truth=None)
@@ -260,6 +260,21 @@ def test_splitting_and_merging_keep_identities() -> None:
     ]
 
 
+def test_a_room_with_a_loop_is_split_at_two_places() -> None:
+    """Two lanes on either side of a bed, joined at its head and its foot."""
+    position = CORRIDOR.nodes.position + np.where(np.arange(160) < 80, 0.0, 1.2)[:, None] * [0, 1]
+    ends = position[CORRIDOR.edges]
+    beside = (ends[..., 0] > 0.35).all(axis=1) & (ends[..., 0] < 3.55).all(axis=1)
+    kept = ~(beside & (np.abs(np.diff(ends[..., 1], axis=1)[:, 0]) > 1.0))
+    nodes = replace(CORRIDOR.nodes, position=position)
+    canvas = CuttableMap(replace(CORRIDOR, nodes=nodes, edges=CORRIDOR.edges[kept]))
+    drawing = identified(Drawing(), np.zeros(160, np.int64))
+    split = correction.split(canvas, drawing, 1)
+    cut = canvas.cut(split)
+    assert len(split.borders) == 2 and not cut.leaks
+    assert cut.proposed_count == 2
+
+
 def test_of_a_line_that_parts_other_rooms_too_only_a_part_goes() -> None:
     """A long line along the corridor; another across it makes four rooms."""
     canvas = CuttableMap(CORRIDOR)
@@ -316,7 +331,8 @@ def test_lines_that_part_nothing_are_not_suggested(rooms: int) -> None:
 
 
 def test_a_single_node_cannot_be_divided() -> None:
-    assert dividing_line(CuttableMap(CORRIDOR), np.array([5]), 0) is None
+    none = np.zeros((0, 2, 2))
+    assert len(dividing_lines(CuttableMap(CORRIDOR), np.array([5]), none, 0)) == 0
 
 
 # The mouse

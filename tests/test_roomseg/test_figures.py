@@ -231,6 +231,9 @@ def test_match_rooms_maximises_overlap_over_all_assignments():
 def test_match_rooms_names_spare_rooms_anew_and_copes_with_fewer():
     assert_array_equal(match_rooms([5, 5, 5, 8, 9, 9], [1, 1, 1, 1, 2, 2]), [1, 1, 1, 3, 2, 2])
     assert_array_equal(match_rooms([0, 0, 0], [4, 4, 6]), [4, 4, 4])
+    # What is left of both has nothing in common.
+    assert_array_equal(match_rooms([7, 7, 8, 8], [1, 1, 1, 2]), [1, 1, 2, 2])
+    assert_array_equal(match_rooms([7, 7, 7, 8], [1, 2, 2, 2]), [2, 2, 2, 3])
     with pytest.raises(ValueError, match="predicted"):
         match_rooms([0, 1], [0, 1, 2])
 
