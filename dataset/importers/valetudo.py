@@ -32,6 +32,7 @@ Integers = NDArray[np.int64]
 
 LARGEST_FILE = 50_000_000
 MOST_PIXELS = 16_000_000
+LONGEST_NAME = 64
 LONGEST_PATH = 20_000.0
 """m."""
 SPEED = 0.16
@@ -80,11 +81,12 @@ class _File(BaseModel):
 
 @dataclass(frozen=True)
 class _Picture:
-    """Pixels as cells: ``wall`` (w, 2) and the cells of each segment, x right, y up."""
+    """Pixels as cells, x right, y up: ``wall`` (w, 2); the segments' names, and cells of each."""
 
     pixel: float
     wall: Integers
-    segments: dict[str, Integers]
+    names: tuple[str, ...]
+    segments: tuple[Integers, ...]
 
 
 def read_valetudo(
@@ -158,7 +160,8 @@ def _file(path: Path) -> _File:
 def _picture(path: Path, data: _File, half: Floats) -> _Picture:
     """The pixels of walls and segments, as cells about the middle."""
     middle = np.floor(half / data.pixelSize).astype(np.int64)
-    walls, segments = [np.empty((0, 2), np.int64)], {}
+    walls = [np.empty((0, 2), np.int64)]
+    names, segments = [], []
     total = 0
     for number, layer in enumerate(data.layers):
         cells = _cells(f"{path}: layers.{number}", layer)
@@ -172,9 +175,21 @@ def _picture(path: Path, data: _File, half: Floats) -> _Picture:
         if layer.type == "wall":
             walls.append(upright)
         elif layer.type == "segment":
-            meta = layer.metaData
-            segments[meta.name or f"segment {meta.segmentId or number}"] = upright
-    return _Picture(data.pixelSize / 100, np.concatenate(walls), segments)
+            names.append(_name(layer.metaData, number))
+            segments.append(upright)
+    return _Picture(data.pixelSize / 100, np.concatenate(walls), tuple(names), tuple(segments))
+
+
+def _name(meta: _Meta, number: int) -> str:
+    """What a segment is called, on one line; by its id, or its layer, if nobody has named it."""
+    by_id = number if meta.segmentId in (None, "") else meta.segmentId
+    return _plain(meta.name or "") or _plain(f"segment {by_id}")
+
+
+def _plain(name: str) -> str:
+    """A name without characters that nobody sees."""
+    seen = "".join(c for c in name if c.isprintable() or c.isspace())
+    return " ".join(seen.split())[:LONGEST_NAME].rstrip()
 
 
 def _cells(where: str, layer: _Layer) -> Integers:
@@ -289,12 +304,12 @@ def _beam_poses(track: Track) -> tuple[Floats, Floats]:
 def _truth(
     nodes: Nodes, edges: Integers, picture: _Picture
 ) -> tuple[GroundTruth | None, tuple[str, ...]]:
-    """Rooms of the nodes by segments, and their names as a note."""
+    """Rooms of the nodes by segments and called as they are; a note tells them, from 1 on."""
     if not picture.segments:
         return None, ("has no segments: the map has no ground truth",)
-    names = list(picture.segments)
-    cells = np.concatenate(list(picture.segments.values()))
-    owner = np.repeat(np.arange(len(names)), [len(c) for c in picture.segments.values()])
+    names = picture.names
+    cells = np.concatenate(picture.segments)
+    owner = np.repeat(np.arange(len(names)), [len(c) for c in picture.segments])
     if not len(cells):
         return None, ("its segments are empty: the map has no ground truth",)
     nearest = KDTree((cells + 0.5) * picture.pixel).query(nodes.position)[1]
@@ -304,10 +319,12 @@ def _truth(
     borders = borders_between(nodes.position, pairs, room)
     crossed = crosses_border(nodes.position, pairs, borders)
     counts = np.bincount(room)
+    called = tuple(names[segment] for segment in used.tolist())
     listed = ", ".join(
-        f"{k} {names[segment]!r} ({counts[k]} nodes)" for k, segment in enumerate(used.tolist())
+        f"{k} {name!r} ({count} node{'s' * (count != 1)})"
+        for k, (name, count) in enumerate(zip(called, counts.tolist(), strict=True), start=1)
     )
     notes = [f"rooms by segment: {listed}"]
     if missing := [name for k, name in enumerate(names) if k not in used]:
         notes.append(f"no path in {', '.join(map(repr, missing))}: no rooms of the map")
-    return GroundTruth(borders, "map", crossed, len(used), room), tuple(notes)
+    return GroundTruth(borders, "map", crossed, len(used), room, called), tuple(notes)

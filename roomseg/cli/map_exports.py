@@ -52,16 +52,16 @@ def write_ros_map(
     source: Path, output: Path, *, resolution: float = 0.05, rooms: str | None = None
 ) -> tuple[Path, ...]:
     """Write the floor as a ROS map, its rooms as a picture with a table."""
-    from roomseg.exporters.floor import floor_grid
+    from roomseg.exporters.floor import floor_grid, room_name
     from scenes.exporters.ros_map import MOST_ROOMS, GridMap, save_grid_map
 
     with MapFile(source) as file, _about(source):
-        label = room_labels(file, rooms)
+        label, called = rooms_of(file, rooms)
         grid = floor_grid(file.topomap, label, resolution)
     count = int(grid.rooms.max())
     if count > MOST_ROOMS:
         raise RoomsegError(f"{source}: {count} rooms, expected at most {MOST_ROOMS} for a picture")
-    names = [(f"room-{k + 1}", "other") for k in range(count)]
+    names = [(room_name(called, k), "other") for k in range(count)]
     picture = grid.rooms.astype("u1")
     return save_grid_map(GridMap(grid.cells, picture, resolution, grid.origin), names, output)
 
@@ -73,10 +73,10 @@ def write_geojson(
     from roomseg.exporters.geojson import map_geojson
 
     with MapFile(source) as file, _about(source):
-        label = room_labels(file, rooms)
+        label, called = rooms_of(file, rooms)
         if label is None:
             raise RoomsegError(f"{source}: has no rooms; `roomseg segment` finds them")
-        data = map_geojson(file.topomap, label, resolution)
+        data = map_geojson(file.topomap, label, resolution, called)
     lines = ",\n".join(json.dumps(feature) for feature in data.pop("features"))
     head = json.dumps(data, ensure_ascii=False)[:-1]
     write_text(output, f'{head}, "features": [\n{lines}\n]}}\n')
@@ -89,7 +89,8 @@ def write_valetudo(
     from roomseg.exporters.valetudo import valetudo_map
 
     with MapFile(source) as file, _about(source):
-        data = valetudo_map(file.topomap, room_labels(file, rooms), resolution)
+        label, called = rooms_of(file, rooms)
+        data = valetudo_map(file.topomap, label, resolution, called)
     write_text(output, json.dumps(data) + "\n")
 
 
@@ -112,8 +113,12 @@ def write_views(source: Path, output: Path) -> tuple[Path, ...]:
     return output, folder
 
 
-def room_labels(file: MapFile, which: str | None) -> NDArray[np.int32] | None:
-    """Room of each node: of the ground truth, or found; the first that is there if not said.
+def rooms_of(
+    file: MapFile, which: str | None
+) -> tuple[NDArray[np.int32] | None, tuple[str, ...]]:
+    """Room of each node, and the rooms' names: of the ground truth, or found, which have none.
+
+    The first that is there, if it is not said which.
 
     Raises
     ------
@@ -123,11 +128,12 @@ def room_labels(file: MapFile, which: str | None) -> NDArray[np.int32] | None:
     truth = file.topomap.ground_truth
     labels = {"truth": None if truth is None else truth.room, "found": _found(file)}
     if which is None:
-        return labels["found"] if labels["truth"] is None else labels["truth"]
-    if labels[which] is None:
+        which = "found" if labels["truth"] is None else "truth"
+    elif labels[which] is None:
         means = {"truth": "ground truth", "found": "segmentation; `roomseg segment` makes one"}
         raise RoomsegError(f"{file.path}: has no {means[which]}")
-    return labels[which]
+    named = () if truth is None or which == "found" else truth.room_names
+    return labels[which], named or ()
 
 
 def _found(file: MapFile) -> NDArray[np.int32] | None:

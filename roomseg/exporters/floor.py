@@ -7,6 +7,7 @@ fewer than three points within 10 cm are false measurements (§2.2.2).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,16 @@ from scipy.spatial import KDTree
 from dataset.errors import RoomsegError
 from dataset.topomap import TopoMap
 
-__all__ = ["FREE", "OCCUPIED", "UNKNOWN", "FloorGrid", "driven_lines", "floor_grid", "room_areas"]
+__all__ = [
+    "FREE",
+    "OCCUPIED",
+    "UNKNOWN",
+    "FloorGrid",
+    "driven_lines",
+    "floor_grid",
+    "room_areas",
+    "room_name",
+]
 
 Floats = NDArray[np.float64]
 Rooms = NDArray[np.int32]
@@ -174,6 +184,11 @@ def room_areas(grid: FloorGrid) -> list[shapely.Geometry]:
     label[shapely.area(faces) < LEAST_AREA] = 0
     count = int(grid.rooms.max())
     return [shapely.multipolygons(faces[label == k + 1]) for k in range(count)]
+
+
+def room_name(names: Sequence[str], label: int) -> str:
+    """The name of the room with a label, from 0; ``room-1`` and so on where it has none."""
+    return (names[label] if label < len(names) else "") or f"room-{label + 1}"
 
 
 def _borders_of_cells(rooms: Rooms) -> Floats:

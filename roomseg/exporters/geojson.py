@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from dataset.topomap import TopoMap
-from roomseg.exporters.floor import floor_grid, room_areas
+from roomseg.exporters.floor import floor_grid, room_areas, room_name
 
 __all__ = ["drawn_borders", "map_geojson"]
 
@@ -19,7 +19,10 @@ Floats = NDArray[np.float64]
 
 
 def map_geojson(
-    topomap: TopoMap, room: NDArray[np.int32], resolution: float = 0.025
+    topomap: TopoMap,
+    room: NDArray[np.int32],
+    resolution: float = 0.025,
+    names: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The FeatureCollection of a map's rooms.
 
@@ -30,6 +33,8 @@ def map_geojson(
         Room of each node, from 0.
     resolution : float
         Of the grid whose cells the floor is made of, m; corners are cut by as much.
+    names : sequence of str, optional
+        Of the rooms; one without is called ``room-1`` and so on.
 
     Returns
     -------
@@ -37,16 +42,16 @@ def map_geojson(
         Layers ``room`` (floor, with number and nodes), ``border`` (where two rooms
         meet), and ``drawn_border`` (the ground truth's segments in the map frame).
     """
-    name = {"environment": topomap.environment, "run": topomap.run}
+    about = {"environment": topomap.environment, "run": topomap.run}
     return {
         "type": "FeatureCollection",
-        "map": name,
-        "features": [*_features(topomap, room, resolution)],
+        "map": about,
+        "features": [*_features(topomap, room, resolution, names)],
     }
 
 
 def _features(
-    topomap: TopoMap, room: NDArray[np.int32], resolution: float
+    topomap: TopoMap, room: NDArray[np.int32], resolution: float, names: Sequence[str]
 ) -> Iterator[dict[str, Any]]:
     areas = room_areas(floor_grid(topomap, room, resolution))
     # Simplified together: neighbours keep the same line between them.
@@ -54,7 +59,7 @@ def _features(
     for number, area in enumerate(smooth):
         nodes = int((room == number).sum())
         yield _feature(
-            area, layer="room", name=f"room-{number + 1}", room=number, nodes=nodes,
+            area, layer="room", name=room_name(names, number), room=number, nodes=nodes,
             area=round(float(area.area), 3),
         )  # fmt: skip
     for (i, one), (j, other) in combinations(enumerate(smooth), 2):

@@ -6,13 +6,14 @@ in cm. The middle of the picture is the origin of the map frame.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dataset.topomap import TopoMap
-from roomseg.exporters.floor import FREE, OCCUPIED, FloorGrid, floor_grid
+from roomseg.exporters.floor import FREE, OCCUPIED, FloorGrid, floor_grid, room_name
 
 __all__ = ["valetudo_map"]
 
@@ -21,7 +22,10 @@ LEAST_SIZE = 5120
 
 
 def valetudo_map(
-    topomap: TopoMap, room: NDArray[np.int32] | None, resolution: float = 0.05
+    topomap: TopoMap,
+    room: NDArray[np.int32] | None,
+    resolution: float = 0.05,
+    names: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The fields of a ``ValetudoMap``, version 2.
 
@@ -32,6 +36,8 @@ def valetudo_map(
         Room of each node, from 0: segment ``room + 1``.
     resolution : float
         m per pixel, whole centimetres.
+    names : sequence of str, optional
+        Of the rooms; one without is called ``room-1`` and so on.
     """
     pixel = max(1, round(100 * resolution))
     grid = floor_grid(topomap, room, pixel / 100)
@@ -44,7 +50,8 @@ def valetudo_map(
     masks.append(("floor", {}, (grid.cells == FREE) & (grid.rooms == 0)))
     masks.append(("wall", {}, grid.cells == OCCUPIED))
     for number in np.unique(grid.rooms[grid.rooms > 0]).tolist():
-        meta = {"segmentId": str(number), "active": False, "name": f"room-{number}"}
+        name = room_name(names, number - 1)
+        meta = {"segmentId": str(number), "active": False, "name": name}
         masks.append(("segment", meta, grid.rooms == number))
     layers = [_layer(kind, meta, mask, corner, pixel) for kind, meta, mask in masks if mask.any()]
     return {

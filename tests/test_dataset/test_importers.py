@@ -183,8 +183,21 @@ def test_a_valetudo_map_is_a_sound_map(tmp_path):
     np.testing.assert_array_equal(truth.room[clear], x[clear] > 0)
     different = truth.room[m.edges[:, 0]] != truth.room[m.edges[:, 1]]
     np.testing.assert_array_equal(truth.edge_is_border, different)
-    assert "0 'Bad'" in run.notes[0] and "1 'segment 2'" in run.notes[0]
+    assert truth.room_names == ("Bad", "segment 2")
+    assert "segment: 1 'Bad' (" in run.notes[0] and ", 2 'segment 2' (" in run.notes[0]
     assert run.notes[1] == "no path in 'segment 7': no rooms of the map"
+
+
+def test_segments_of_one_name_stay_rooms_and_names_are_one_line(tmp_path):
+    data = valetudo()
+    for layer, name in zip(data["layers"][1:], ("Bad", "Bad", " "), strict=True):
+        layer["metaData"]["name"] = name
+    run = read_data(tmp_path, data)
+    assert run.topomap.ground_truth.room_names == ("Bad", "Bad")
+    assert run.notes[1] == "no path in 'segment 7': no rooms of the map"
+    data["layers"][1]["metaData"]["name"] = "Bad\n\0 oben \u202e" + "x" * 100
+    name = read_data(tmp_path, data).topomap.ground_truth.room_names[0]
+    assert name == ("Bad oben " + "x" * 100)[:64]
 
 
 def test_obstacle_points_lie_on_wall_pixels_in_reach(tmp_path):

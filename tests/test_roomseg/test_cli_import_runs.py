@@ -36,7 +36,7 @@ def test_a_valetudo_map_goes_there_and_back(folder, capsys):
     code, out, err = said(capsys, "import", "run.json", "--name", "home", "-o", "back.h5")
     assert code == 0
     assert out.startswith("back.h5: ") and out.endswith(", 3 rooms\n")
-    assert err[-1].startswith("run.json: rooms by segment: 0 'room-1' (")
+    assert err[-1].startswith("run.json: rooms by segment: 1 'room-1' (")
     assert list(problems("back.h5")) == []
     before, after = read_map("flat.h5"), read_map("back.h5")
     assert (after.environment, after.run) == ("home", "run")
@@ -44,6 +44,15 @@ def test_a_valetudo_map_goes_there_and_back(folder, capsys):
     assert gap.max() < 0.12
     same = after.ground_truth.room[near] == before.ground_truth.room
     assert same.mean() > 0.98
+
+
+def test_names_of_rooms_go_there_and_back(folder):
+    flat = replace(cleaned_flat(), path=None)
+    truth = replace(flat.ground_truth, room_names=("Küche", "", "living room"))
+    write_map("flat.h5", replace(flat, ground_truth=truth))
+    assert main(["export", "flat.h5", "-o", "named.json", "--format", "valetudo"]) == 0
+    assert main(["import", "named.json", "-o", "back.h5"]) == 0
+    assert read_map("back.h5").ground_truth.room_names == ("Küche", "room-2", "living room")
 
 
 def test_the_rooms_of_an_imported_run_are_found_without_images(folder, capsys):

@@ -194,6 +194,20 @@ def test_geojson_has_rooms_and_borders_in_the_map_frame(map_path, flat):
     assert len(found["drawn_border"]) == len(flat.ground_truth.borders)
 
 
+def test_rooms_are_called_as_the_ground_truth_calls_them(map_path, flat):
+    truth = replace(flat.ground_truth, room_names=("Küche", "", "hall"))
+    write_map("flat.h5", replace(flat, ground_truth=truth))
+    exported("-o", "r.geojson", "-o", "r.yaml")
+    called = ["Küche", "room-2", "hall"]
+    assert [properties["name"] for properties, _ in features("r.geojson")["room"]] == called
+    with open("r_rooms.csv", encoding="utf-8") as stream:  # noqa: PTH123
+        assert [line["name"] for line in csv.DictReader(stream)] == called
+    write_rooms("flat.h5", flat.ground_truth.room // 2, model="m", rooms=2)
+    exported("-o", "r.geojson", "--rooms", "found")
+    found = [properties["name"] for properties, _ in features("r.geojson")["room"]]
+    assert found == ["room-1", "room-2"]
+
+
 def test_drawn_borders_follow_the_map(flat):
     """The scene's borders are bent as the map is, but for its noise."""
     bent = drift(flat.ground_truth.borders.reshape(-1, 2)).reshape(-1, 2, 2)
