@@ -20,7 +20,12 @@ __all__ = ["locked", "replacing", "unwritten", "write_text"]
 
 
 @contextmanager
-def locked(path: str | Path, *, wait: bool = False) -> Iterator[None]:
+def locked(
+    path: str | Path,
+    *,
+    wait: bool = False,
+    busy: str = "another process is writing to it; wait until it has finished",
+) -> Iterator[None]:
     """Hold the one writer's lock of a file.
 
     Parameters
@@ -29,6 +34,8 @@ def locked(path: str | Path, *, wait: bool = False) -> Iterator[None]:
         The file that will be written; it need not exist yet.
     wait : bool
         For another writer to finish, instead of raising.
+    busy : str
+        What is said of the file if there is another writer.
 
     Raises
     ------
@@ -38,7 +45,9 @@ def locked(path: str | Path, *, wait: bool = False) -> Iterator[None]:
     # Through a link or directly: one file, one lock.
     lock = Path(f"{Path(path).resolve()}.lock")
     try:
-        descriptor = _open_lock(lock, Path(path), wait)
+        descriptor = _open_lock(lock, wait)
+    except BlockingIOError as error:
+        raise RoomsegError(f"{path}: {busy}") from error
     except OSError as error:
         raise unwritten(path, error) from error
     try:
@@ -48,17 +57,15 @@ def locked(path: str | Path, *, wait: bool = False) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _open_lock(lock: Path, path: Path, wait: bool) -> int:
+def _open_lock(lock: Path, wait: bool) -> int:
     """Take the lock; a lock file removed by its last holder meanwhile is made again."""
     while True:
         descriptor = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except OSError as error:
+        except OSError:
             os.close(descriptor)
-            raise RoomsegError(
-                f"{path}: another process is writing to it; wait until it has finished"
-            ) from error
+            raise
         with suppress(FileNotFoundError):
             if os.fstat(descriptor).st_ino == lock.stat().st_ino:
                 return descriptor

@@ -20,7 +20,8 @@ class Summary:
 
     Lengths in m, times in s, ``file_size`` in bytes. ``part_count`` and
     ``lane_count`` are parts of the map and lanes over all parts (§2.1).
-    ``images_done`` are in the file; ``journal`` says whether more wait beside it.
+    ``images_done`` are in the file; ``journal`` says whether more wait beside it. A map
+    without images, and without a plan to render them from, has no camera.
     What the file does not have is None.
     """
 
@@ -44,8 +45,8 @@ class Summary:
     robot_radius: float
     robot: Settings | None
     sensor: Settings | None
-    image_size: tuple[int, int]
-    disc_diameter: float
+    image_size: tuple[int, int] | None
+    disc_diameter: float | None
     images_done: int
     preset: str
     keeps_radiance: bool
@@ -68,6 +69,10 @@ def summarise(path: str | Path) -> Summary:
     with MapFile(path) as file:
         topomap, rooms = file.topomap, file.rooms
         images, preset, radiance = file.image_count, file.preset, file.keeps_radiance
+    journal = journal_path(path).exists()
+    # A map takes a camera as given; nobody sees by it without images or a plan to render.
+    sees = images > 0 or journal or topomap.scene is not None
+    camera = topomap.camera if sees else None
     nodes, truth = topomap.nodes, topomap.ground_truth
     lengths = topomap.edge_lengths()
     return Summary(
@@ -91,12 +96,12 @@ def summarise(path: str | Path) -> Summary:
         robot_radius=topomap.robot_radius,
         robot=topomap.robot,
         sensor=topomap.sensor,
-        image_size=topomap.camera.image_size,
-        disc_diameter=topomap.camera.disc_diameter,
+        image_size=None if camera is None else camera.image_size,
+        disc_diameter=None if camera is None else camera.disc_diameter,
         images_done=images,
         preset=preset,
         keeps_radiance=radiance,
-        journal=journal_path(path).exists(),
+        journal=journal,
         room_count=None if truth is None else truth.room_count,
         border_edge_count=None if truth is None else int(truth.edge_is_border.sum()),
         nodes_labelled=truth is not None and truth.room is not None,

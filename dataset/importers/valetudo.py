@@ -32,7 +32,7 @@ Integers = NDArray[np.int64]
 
 LARGEST_FILE = 50_000_000
 MOST_PIXELS = 16_000_000
-LONGEST_NAME = 64
+LONGEST_NAME = 60
 LONGEST_PATH = 20_000.0
 """m."""
 SPEED = 0.16
@@ -145,6 +145,11 @@ def _file(path: Path) -> _File:
         data = _File.model_validate_json(path.read_bytes())
     except ValidationError as error:
         fault = error.errors(include_url=False, include_context=False)[0]
+        if fault["type"] == "json_invalid" and "EOF while parsing" in fault["msg"]:
+            raise FormatError(
+                f"{path}: the JSON ends in the middle: the file is damaged or cut off; expected "
+                "all of it"
+            ) from None
         where = ".".join(str(place) for place in fault["loc"])
         value = "" if where == "" or isinstance(fault["input"], dict | list | bytes) else (
             f"{str(fault['input'])[:60]!r}, "

@@ -29,6 +29,7 @@ __all__ = ["AnnotationJournal", "journal_path"]
 
 FORMAT = "roomseg-annotation"
 VERSION = 1
+OPEN = "the map is open in another `roomseg annotate`; end that first"
 _DRAWING = TypeAdapter(Drawing)
 
 
@@ -78,7 +79,7 @@ class AnnotationJournal(Closing):
         self._stream: IO[bytes] | None = None
         self._base = base
         with ExitStack() as stack:
-            stack.enter_context(locked(self.path))
+            stack.enter_context(locked(self.path, busy=OPEN))
             self.found = self._read() if self.path.exists() else None
             self._stack = stack.pop_all()
 

@@ -241,7 +241,7 @@ def _json_format(file: Path) -> str:
     from dataset.errors import RoomsegError
     from scenes.importers.reading import read_json
 
-    fields = read_json(file, "a floor plan")
+    fields = read_json(file, "a floor plan or a robot's map")
     keys = set(fields) if isinstance(fields, dict) else set()
     if isinstance(fields, dict) and fields.get("format") == "roomseg-apartment":
         raise RoomsegError(f"{file}: is an apartment already; nothing to import")

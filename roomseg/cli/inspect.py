@@ -169,14 +169,14 @@ def map_lines(summary: Summary) -> list[tuple[str, str]]:
         ("file", f"{s.file}, {s.file_size / 1e6:.1f} MB"),
         ("environment", s.environment),
         ("run", f"{s.run}, seed {s.seed}, {s.duration:.0f} s{driven}"),
-        ("made", f"{s.created} by {s.software}"),
+        ("made", " ".join(part for part in (s.created, "by", s.software) if part)),
         ("nodes", f"{s.node_count} in {s.lane_count} lanes of {s.part_count} parts"),
         ("visits", str(s.visit_count)),
         ("edges", f"{s.edge_count}{length}"),
         ("obstacles", f"{s.obstacle_count} points"),
         *_robot_lines(s),
-        ("camera", f"{s.image_size[0]} x {s.image_size[1]} px, disc {s.disc_diameter:g} px"),
-        ("images", _images(s)),
+        ("camera", _camera(s)),
+        *([("images", _images(s))] if s.image_size else []),
         ("ground truth", _ground_truth(s)),
         ("rooms found", "no" if s.segmented_by is None else f"by {s.segmented_by}"),
         ("scene", "inside" if s.has_scene else "no"),
@@ -200,6 +200,13 @@ def _robot_lines(summary: Summary) -> list[tuple[str, str]]:
 def _unlike(settings: Settings, usual: Settings) -> str:
     other = [f"{name} {value}" for name, value in settings.items() if usual.get(name) != value]
     return f"unlike the prototype: {', '.join(other)}" if other else "else as the prototype"
+
+
+def _camera(summary: Summary) -> str:
+    if summary.image_size is None:
+        return "no"
+    rows, columns = summary.image_size
+    return f"{rows} x {columns} px, disc {summary.disc_diameter:g} px"
 
 
 def _images(summary: Summary) -> str:

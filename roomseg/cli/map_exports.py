@@ -113,9 +113,7 @@ def write_views(source: Path, output: Path) -> tuple[Path, ...]:
     return output, folder
 
 
-def rooms_of(
-    file: MapFile, which: str | None
-) -> tuple[NDArray[np.int32] | None, tuple[str, ...]]:
+def rooms_of(file: MapFile, which: str | None) -> tuple[NDArray[np.int32] | None, tuple[str, ...]]:
     """Room of each node, and the rooms' names: of the ground truth, or found, which have none.
 
     The first that is there, if it is not said which.

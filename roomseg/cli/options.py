@@ -51,14 +51,15 @@ class OutputFile(click.ParamType[Path]):
         path = Path(value)
         if path.is_dir():
             self.fail(f"{path} is a folder, expected a file name", param, ctx)
-        new_map = ".h5" in self.suffixes and not path.exists()
-        if (path.suffix == ".h5" and not new_map) or _is_map(path):
+        if path.exists() and (path.suffix == ".h5" or _is_map(path)):
             self.fail(f"{path} is a map and would be lost, expected another file name", param, ctx)
         if path.exists() and not path.is_file():
             self.fail(f"{path} is no regular file, expected another file name", param, ctx)
         if self.suffixes and path.suffix.lower() not in self.suffixes:
             ends = " or ".join(self.suffixes)
             self.fail(f"{path}: expected a name that ends in {ends}", param, ctx)
+        if not self.suffixes and path.suffix == ".h5":
+            self.fail(f"{path}: a name that ends in .h5 is a map's, expected another", param, ctx)
         # A link stays, and the file that it leads to is written.
         folder = path.resolve().parent if path.is_symlink() else path.parent
         if not folder.is_dir():

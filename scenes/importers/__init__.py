@@ -5,11 +5,12 @@ Every reader is a function ``read_<format>(path, **options) -> Imported``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from scenes.apartment import Apartment
 
-__all__ = ["Imported"]
+__all__ = ["Imported", "first_of"]
 
 
 @dataclass(frozen=True)
@@ -25,3 +26,9 @@ class Imported:
 
     apartment: Apartment
     notes: tuple[str, ...] = ()
+
+
+def first_of(labels: Sequence[str], most: int = 3) -> str:
+    """The first of several things of which one note tells, and how many more there are."""
+    more = f" and {len(labels) - most} more" if len(labels) > most else ""
+    return ", ".join(labels[:most]) + more

@@ -23,7 +23,8 @@ start        Point                                    heading_deg
 
 Properties are the fields of `scenes.apartment` of the same name. A member
 ``apartment`` of the collection may hold name, description, lighting,
-passageway_contrast and own materials. `scenes.exporters.geojson` writes all this.
+passageway_contrast and own materials. `scenes.exporters.geojson` writes all this;
+what else the GeoJSON of a map has (one with a member ``map``) is passed over.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ from shapely import Polygon
 from scenes.apartment import Block, Lamp, Passage, Piece, Point, Room, Start, Wall, Window
 from scenes.errors import SceneError
 from scenes.faults import shape_fault, value_fault
-from scenes.importers import Imported
+from scenes.importers import Imported, first_of
 from scenes.importers.drawing import PlanDrawing, PlanFixture, PlanOpening, PlanRoom, long_axis
 from scenes.importers.plan import PlanOptions
 from scenes.importers.plan_file import built, check_extent, check_scale
@@ -61,6 +62,8 @@ FAR = 400.0
 DEGREES = ("crs84", "epsg::4326", "epsg:4326")
 LAYERS = ("room", "wall", "door", "window", "furniture", "block", "border", "lamp", "start")
 OWN = ("description", "lighting", "passageway_contrast", "materials")
+OF_MAPS: dict[str, tuple[str, ...]] = {"room": ("room", "nodes", "area"), "drawn_border": ()}
+"""What `roomseg export` writes of a map beside floor and borders, by layer."""
 
 
 def read_geojson(
@@ -99,7 +102,7 @@ def read_geojson(
     if not isinstance(own, dict):
         raise SceneError(f"{path}: apartment: {own!r:.60}; expected an object")
     _refuse_no_layers(path, data["features"])
-    reader = _Layers(path, 1.0 if scale is None else scale)
+    reader = _Layers(path, 1.0 if scale is None else scale, OF_MAPS if "map" in data else {})
     rooms = [*_room_shapes(data["features"], reader.scale)]
     check_extent(path, rooms, scale)
     if rooms:
@@ -147,6 +150,7 @@ class _Layers:
 
     path: str | Path
     scale: float
+    passed_over: Mapping[str, tuple[str, ...]]
     shift: tuple[float, float] = (0.0, 0.0)
     rooms: list[PlanRoom] = field(default_factory=list)
     walls: list[Wall] = field(default_factory=list)
@@ -158,6 +162,7 @@ class _Layers:
     lamps: list[Lamp] = field(default_factory=list)
     start: Start | None = None
     notes: list[str] = field(default_factory=list)
+    unknown: dict[str, list[str]] = field(default_factory=dict)
 
     def move(self, bounds: Floats) -> None:
         """Bring a plan in the coordinates of a country to the origin."""
@@ -186,15 +191,20 @@ class _Layers:
         }
         if not isinstance(layer, str) or layer not in makers:
             told = "no property 'layer'" if layer is None else f"layer {layer!r:.40}"
-            self.notes.append(f"{label}: {told}; expected one of {', '.join(LAYERS)}; left out")
+            if layer != "drawn_border" or layer not in self.passed_over:
+                self.unknown.setdefault(told, []).append(label)
             return
         label = f"{label} ({layer})"
-        fields = {key: value for key, value in properties.items() if key != "layer"}
+        idle = ("layer", *self.passed_over.get(layer, ()))
+        fields = {key: value for key, value in properties.items() if key not in idle}
         for part in self._parts(label, feature.get("geometry")):
             makers[layer](label, part, fields)
 
     def drawing(self, own: Mapping[str, Any]) -> PlanDrawing:
         """All of it."""
+        for told, labels in self.unknown.items():
+            known = ", ".join(LAYERS)
+            self.notes.append(f"{first_of(labels)}: {told}; expected one of {known}; left out")
         fields: dict[str, Any] = dict(own)
         fields["lamps"] = tuple(self.lamps)
         if self.start is not None:

@@ -74,6 +74,8 @@ NARROWER, NARROWINGS = 0.05, 4
 _FAULT = re.compile(r"(passages|windows|furniture|lamps)\[(\d+)\][^:]*: (.*)")
 _OPENING = re.compile(r"(passages|windows)\[(\d+)\]")
 MOST_ROOMS = 300
+MOST_RENAMED = 3
+"""Notes on names; of more one tells for all."""
 OUTERMOST = 500.0
 """A home has no point further than this from the origin, m."""
 
@@ -383,4 +385,6 @@ def _named(drawing: PlanDrawing) -> tuple[PlanDrawing, list[str]]:
         rooms.append(replace(room, name=taken[-1]))
         if free_name(room.name, ()) != room.name:
             notes.append(renamed(room.label, room.name, taken[-1]))
+    if len(notes) > MOST_RENAMED:
+        notes = [f"{notes[0]}; {len(notes) - 1} more likewise"]
     return replace(drawing, rooms=tuple(rooms)), notes

@@ -75,9 +75,26 @@ def read_json(path: str | Path, expected: str) -> Any:
     try:
         return json.loads(text, parse_constant=constant)
     except json.JSONDecodeError as error:
+        if _is_cut_off(text, error):
+            last = text.count("\n", 0, len(text.rstrip())) + 1
+            raise SceneError(
+                f"{path}: the JSON ends in the middle, in line {last}: the file is damaged or cut "
+                "off; expected all of it"
+            ) from None
         where = f"line {error.lineno}, column {error.colno}"
         raise SceneError(f"{path}: {where}: not JSON: {error.msg}; expected {expected}") from None
     except (RecursionError, ValueError):
         raise SceneError(
             f"{path}: nested too deeply or a number too long; expected {expected}"
         ) from None
+
+
+def _is_cut_off(text: str, error: json.JSONDecodeError) -> bool:
+    """Whether more text could have mended it: JSON has begun, and is well until the end."""
+    begun = text.lstrip().startswith(("{", "["))
+    rest = text[error.pos :].strip()
+    words = ("true", "false", "null", "-", ".", "e-", "e+", "E-", "E+")
+    ended = any(word.startswith(rest) for word in words)
+    in_text = error.msg.startswith("Unterminated string")
+    in_escape = error.msg.startswith("Invalid \\u") and len(rest) <= len("uFFFF")
+    return begun and (ended or in_text or in_escape)

@@ -26,5 +26,6 @@ def test_summary_tells_of_a_waiting_journal(map_path):
     with FrameJournal(map_path, preset="draft") as journal:
         journal.append(0, np.zeros((16, 16), np.uint8), 1.0)
     assert summarise(map_path).journal
+    assert summarise(map_path).image_size == (16, 16)
     assert summarise(map_path).images_done == 0
     assert summarise(map_path).segmented_by is None

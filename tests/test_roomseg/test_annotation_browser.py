@@ -319,7 +319,7 @@ def test_what_cannot_be_annotated_is_one_line(
     write_map(other, replace(FLAT, ground_truth=None))
     for arguments, expected in (
         (["--port", port, other], f"--port {port}: cannot be used"),
-        ([maps[0]], "another process"),
+        ([maps[0]], "is open in another `roomseg annotate`; end that first"),
         ([tmp_path / "none.h5"], "no such file"),
         ([other, "--model", tmp_path / "none.skops"], "no such file"),
     ):

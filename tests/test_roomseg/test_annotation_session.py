@@ -148,7 +148,10 @@ def test_borders_that_do_not_give_the_rooms_are_saved_without_rooms(path: Path) 
 
 
 def test_only_one_annotates_a_map(path: Path) -> None:
-    with Annotation(path), pytest.raises(RoomsegError, match="another process"):
+    with (
+        Annotation(path),
+        pytest.raises(RoomsegError, match="open in another `roomseg annotate`; end that first"),
+    ):
         Annotation(path)
 
 

@@ -468,7 +468,6 @@ def test_every_problem_of_an_apartment_is_told(folder):
         ("inspect", "flat.h5", "--json", "flat.h5"),
         ("view", "flat.h5", "-o", "flat.h5"),
         ("train", "flat.h5", "-o", "flat.h5"),
-        ("generate", "-o", "new.h5"),
         ("inspect", "flat.h5", "--json", "map-by-another-name"),
     ],
 )
@@ -478,6 +477,19 @@ def test_no_output_replaces_a_map(folder, capsys, arguments):
     assert "is a map and would be lost" in refused(capsys, *arguments)
     assert Path("flat.h5").read_bytes() == before
     assert Path("map-by-another-name").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("generate", "-o", "new.h5"), "new.h5: expected a name that ends in .json"),
+        (("replay", "flat.h5", "-o", "new.h5"), "new.h5: expected a name that ends in "),
+        (("view", "flat.h5", "-o", "new.h5"), "new.h5: a name that ends in .h5 is a map's"),
+        (("inspect", "flat.h5", "--json", "new.h5"), "new.h5: a name that ends in .h5 is a map's"),
+    ],
+)
+def test_a_new_file_is_not_called_as_a_map_is(folder, capsys, arguments, line):
+    assert line in refused(capsys, *arguments)
     assert not Path("new.h5").exists()
 
 

@@ -46,6 +46,16 @@ def test_a_valetudo_map_goes_there_and_back(folder, capsys):
     assert same.mean() > 0.98
 
 
+def test_an_imported_map_has_no_camera_and_no_date(folder, capsys):
+    assert main(["import", "run.json", "-o", "back.h5"]) == 0
+    code, out, _ = said(capsys, "inspect", "back.h5", "--json", "figures.json")
+    facts = dict((line[:14].strip(), line[14:]) for line in out.splitlines())
+    assert (code, facts["made"], facts["camera"]) == (0, "by Valetudo", "no")
+    assert "images" not in facts
+    figures = json.loads((folder / "figures.json").read_text(encoding="utf-8"))
+    assert (figures["image_size"], figures["disc_diameter"]) == (None, None)
+
+
 def test_names_of_rooms_go_there_and_back(folder):
     flat = replace(cleaned_flat(), path=None)
     truth = replace(flat.ground_truth, room_names=("Küche", "", "living room"))
@@ -79,7 +89,8 @@ def test_the_rooms_of_an_imported_run_are_found_without_images(folder, capsys):
         (["run.bag", "--topics", "run.json", "-o", "a.h5"], "run.json: "),
         (["run.bag", "--topics", "t.toml", "-o", "a.h5"], "run.bag: damaged bag"),
         ([".", "-o", "a.h5"], ".: is a folder without metadata.yaml, expected a ROS 2 bag"),
-        (["cut.json", "-o", "a.h5", "--format", "valetudo"], "cut.json: Invalid JSON: "),
+        (["cut.json", "-o", "a.h5", "--format", "valetudo"], "cut.json: the JSON ends in the mid"),
+        (["cut.json", "-o", "a.h5"], "in line 1: the file is damaged or cut off"),
         (["home.yaml", "-o", "a.h5", "--format", "valetudo"], "home.yaml: Invalid JSON: "),
     ],
 )  # fmt: skip

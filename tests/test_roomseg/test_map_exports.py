@@ -298,7 +298,7 @@ def test_a_folder_with_anything_else_is_not_replaced(flat, tmp_path, monkeypatch
             ("-o", "r.yaml", "--resolution", "0.001"),
             "m, expected at most 4 million; choose a coarser resolution",
         ),
-        (("-o", "x.h5"), "is a map and would be lost"),
+        (("-o", "x.h5"), "x.h5: a name that ends in .h5 is a map's, expected another"),
     ],
 )
 def test_what_cannot_be_written_is_one_line(map_path, capsys, arguments, line):

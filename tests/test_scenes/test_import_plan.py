@@ -1,5 +1,6 @@
 """Floor plans of every format as apartments: what is made of them, and what is said."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -375,6 +376,63 @@ def test_geojson_without_layers(tmp_path):
     good = feature("room", "Polygon", box(0, 0, 4, 4))
     notes = read_geojson(collection(tmp_path, good, plain)).notes
     assert notes[0].startswith("features[1]: no property 'layer'; expected one of room, wall")
+
+
+def test_what_only_maps_have_is_passed_over(tmp_path):
+    """Rooms as `roomseg export` writes them of a map, with the ground truth's borders."""
+    own = {"name": "hall", "room": 0, "nodes": 9, "area": 16.0}
+    room = feature("room", "Polygon", box(0, 0, 4, 4), **own)
+    drawn = feature("drawn_border", "LineString", [[0, 0], [1, 1]])
+    path = collection(tmp_path, room, *[drawn] * 5)
+    notes = read_geojson(path).notes
+    assert [note for note in notes if "drawn_border" in note] == [
+        "features[1], features[2], features[3] and 2 more: layer 'drawn_border'; expected one of "
+        "room, wall, door, window, furniture, block, border, lamp, start; left out"
+    ]
+    assert any("unknown properties 'room', 'nodes', 'area'" in note for note in notes)
+    data = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(data | {"map": {"environment": "x"}}), encoding="utf-8")
+    assert [n for n in read_geojson(path).notes if "drawn_border" in n or "unknown" in n] == []
+
+
+def test_many_names_that_cannot_be_are_one_line(tmp_path):
+    rooms = [
+        feature("room", "Polygon", box(4 * k, 0, 4 * k + 4, 4), name=f"segment {k}")
+        for k in range(5)
+    ]
+    few, many = (read_geojson(collection(tmp_path, *rooms[:n])).notes for n in (3, 5))
+    assert len([note for note in few if "is no name for a room" in note]) == 3
+    assert [note for note in many if "is no name for a room" in note] == [
+        "features[0] (room) 'segment 0': 'segment 0' is no name for a room; called 'segment_0'; "
+        "4 more likewise"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ('{"features": [{"type": "Fea', "in line 1: the file is damaged or cut off"),
+        ('{"features": [\n{"a": 1.', "in line 2: the file is damaged or cut off"),
+        ('{"features": [\n\ntr', "in line 3: the file is damaged or cut off"),
+        ('{"features": [\n', "in line 1: the file is damaged or cut off"),
+        ('{"features": [}', "line 1, column 15: not JSON: Expecting value; expected a GeoJSON"),
+        ("hello", "line 1, column 1: not JSON: Expecting value; expected a GeoJSON"),
+    ],
+)
+def test_json_that_was_cut_off_is_told_from_what_is_none(tmp_path, text, line):
+    path = tmp_path / "plan.geojson"
+    path.write_text(text, encoding="utf-8")
+    told = fails(read_geojson, path)
+    assert line in told and ("expected a GeoJSON" in told) == ("not JSON" in told)
+
+
+def test_json_is_known_as_cut_off_wherever_it_was_cut(tmp_path):
+    whole = '{"a": [true, null, -1.5e-3, 2E+7], "b\\u00fc": {"c\\n": "d", "e": false}}'
+    json.loads(whole)
+    path = tmp_path / "plan.geojson"
+    for end in range(1, len(whole)):
+        path.write_text(whole[:end], encoding="utf-8")
+        assert "damaged or cut off" in fails(read_geojson, path), whole[:end]
 
 
 def test_our_own_svg_is_not_for_reading(tmp_path):
