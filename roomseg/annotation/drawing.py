@@ -132,10 +132,11 @@ class Drawing:
                 return room
         raise RoomsegError(f"room {number}: there is none, expected one of the list")
 
-    def with_borders(self, lines: Iterable[Any]) -> Drawing:
+    def with_borders(self, lines: Iterable[Any], shortest: float = SHORTEST_BORDER) -> Drawing:
         """Draw more lines, each x0, y0, x1, y1 (RoomsegError if one is too short)."""
         new = [
-            Border(self.next_border + index, checked_line(line)) for index, line in enumerate(lines)
+            Border(self.next_border + index, checked_line(line, shortest))
+            for index, line in enumerate(lines)
         ]
         return replace(
             self,
@@ -182,13 +183,13 @@ class Drawing:
         return self if ends in self.struck else replace(self, struck=(*self.struck, ends))
 
 
-def checked_line(line: Any) -> Segment:
-    """Four finite numbers, rounded to 0.1 mm, that are a line of some length."""
+def checked_line(line: Any, shortest: float = SHORTEST_BORDER) -> Segment:
+    """Four finite numbers, rounded to 0.1 mm, that are a line at least ``shortest`` m long."""
     values = np.asarray(line, dtype=float).reshape(-1)
     if values.shape != (4,) or not (np.abs(values) < FARTHEST).all():
         raise RoomsegError(f"border: {line!r}, expected four numbers x0, y0, x1, y1 in metres")
     x0, y0, x1, y1 = np.round(values, DECIMALS).tolist()
     length = np.hypot(x1 - x0, y1 - y0)
-    if length < SHORTEST_BORDER:
-        raise RoomsegError(f"border: {length:.3f} m long, expected at least {SHORTEST_BORDER} m")
+    if length < shortest:
+        raise RoomsegError(f"border: {length:.3f} m long, expected at least {shortest} m")
     return x0, y0, x1, y1

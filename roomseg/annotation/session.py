@@ -295,7 +295,8 @@ def _base(topomap: TopoMap, *, afresh: bool) -> tuple[Drawing, str]:
             return Drawing(), "The map's borders are of its plan, but it has no true poses."
         borders = carried_to_map(topomap.nodes, borders)
         notice = "Borders of the plan, carried over to the robot's map. Saving replaces them."
-    drawing = Drawing().with_borders(borders.reshape(-1, 4))
+    # An imported map's may be as short as the steps of a grid.
+    drawing = Drawing().with_borders(borders.reshape(-1, 4), shortest=0.0)
     rooms = () if truth.room is None else _rooms(truth.room.astype(np.int64), truth.room_names)
     return replace(drawing, rooms=rooms, next_room=len(rooms) + 1, count=truth.room_count), notice
 

@@ -218,6 +218,21 @@ def test_the_borders_of_a_real_robots_map_are_edited(tmp_path: Path) -> None:
     assert len(read_map(path).ground_truth.borders) == 5
 
 
+def test_borders_as_short_as_a_grids_steps_are_kept(tmp_path: Path) -> None:
+    file = tmp_path / "imported.h5"
+    topomap = rows_map((1.95,), 2)
+    truth = topomap.ground_truth
+    steps = np.concatenate([truth.borders, [[[1.95, 1.1], [1.96, 1.1]]]])
+    write_map(file, replace(topomap, ground_truth=replace(truth, borders=steps)))
+    with Annotation(file) as annotation:
+        assert [border.length for border in annotation.drawing.borders] == [
+            pytest.approx(1.3),
+            pytest.approx(0.01),
+        ]
+        with pytest.raises(RoomsegError, match=r"at least 0\.03 m"):
+            annotation.draw((0.5, 0.0, 0.51, 0.0))
+
+
 def test_suggestions_go_when_they_are_drawn_or_struck_out(path: Path) -> None:
     suggestions = np.array([np.reshape(line, (2, 2)) for line in ACROSS.values()])
     with Annotation(path, suggestions) as annotation:
