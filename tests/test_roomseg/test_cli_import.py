@@ -114,7 +114,7 @@ def test_start_and_ceiling_reach_the_reader(folder, capsys):
             "`roomseg import --help`",
         ),
         (["home.json"], "home.json: is an apartment already; nothing to import"),
-        (["noise.json"], "noise.json: byte 0 is not text; expected a floor plan"),
+        (["noise.json"], "noise.json: byte 0 is not text; expected a floor plan or a robot's map"),
     ],
 )
 def test_faults_are_one_line_and_nothing_is_written(folder, capsys, arguments, line):
